@@ -1,0 +1,2 @@
+//! The `invertex` binary.
+fn main() {}
