@@ -1,2 +1,7 @@
-//! The `invertex` binary.
-fn main() {}
+//! The `invertex` binary: flags, one library call, output.
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

@@ -1,1 +1,13 @@
-//! (in the making)
+//! What leaves the program as files: PNG and EXR pictures and the HTML report.
+//!
+//! In: finished pixels and numbers. Out: bytes on disk, complete or not at all ([`write_bytes`] writes beside the
+//! target and renames). Encoders are pure functions to bytes, so the same picture gives the same file everywhere.
+
+mod exr;
+mod file;
+mod png;
+pub mod report;
+
+pub use exr::{Aov, encode_exr};
+pub use file::{check_target, make_folder, write_bytes};
+pub use png::encode_png;

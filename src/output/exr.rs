@@ -1,0 +1,173 @@
+//! OpenEXR: linear float colour, and on request what lies under each pixel as named layers.
+//!
+//! In: pixels, top row first. Out: the file's bytes (one part, ZIP, 32-bit float). Layers follow OpenEXR's naming,
+//! `layer.channel`, which every reader groups: `R G B A`, `triangle.id`, `barycentric.x .y .z`, `fetches.count`,
+//! `depth.Z`. Background pixels hold -1 in `triangle.id` and 0 in the others.
+
+use std::io::Cursor;
+
+use ::exr::prelude::{
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+    SmallVec, WritableImage,
+};
+
+use crate::{Error, Result};
+
+/// What lies under each pixel. Each slice has one element per pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Aov<'a> {
+    /// Triangle of the reference mesh, or `u32::MAX` where nothing is drawn.
+    pub triangle: &'a [u32],
+    /// Barycentric coordinates in that triangle.
+    pub barycentric: &'a [[f32; 3]],
+    /// Table fetches the correspondence took.
+    pub fetches: &'a [u32],
+    /// Depth in clip space, 0 (near) to 1 (far).
+    pub depth: &'a [f32],
+}
+
+/// The largest integer up to which every integer is a float.
+const LARGEST_EXACT: u32 = 1 << 24;
+
+/// Encodes linear `rgba` and, when given, the layers of `aov`.
+///
+/// # Errors
+/// [`Error::Capacity`] when a slice is not `width * height` long, a side is zero, or a triangle id is too large to
+/// be a float exactly (2^24).
+pub fn encode_exr(width: u32, height: u32, rgba: &[[f32; 4]], aov: Option<Aov>) -> Result<Vec<u8>> {
+    let pixels = width as usize * height as usize;
+    let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = SmallVec::new();
+    for (name, k) in [("R", 0), ("G", 1), ("B", 2), ("A", 3)] {
+        channels.push(channel(name, pixels, rgba.iter().map(|p| p[k]))?);
+    }
+    if let Some(aov) = aov {
+        let id = |&t: &u32| if t == u32::MAX { -1.0 } else { t as f32 };
+        if let Some(&large) = aov
+            .triangle
+            .iter()
+            .find(|&&t| t != u32::MAX && t > LARGEST_EXACT)
+        {
+            return Err(capacity(
+                "triangle ids in an EXR's floats",
+                large.into(),
+                LARGEST_EXACT.into(),
+            ));
+        }
+        channels.push(channel("triangle.id", pixels, aov.triangle.iter().map(id))?);
+        for (name, k) in [
+            ("barycentric.x", 0),
+            ("barycentric.y", 1),
+            ("barycentric.z", 2),
+        ] {
+            channels.push(channel(name, pixels, aov.barycentric.iter().map(|b| b[k]))?);
+        }
+        channels.push(channel(
+            "fetches.count",
+            pixels,
+            aov.fetches.iter().map(|&n| n as f32),
+        )?);
+        channels.push(channel("depth.Z", pixels, aov.depth.iter().copied())?);
+    }
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        ..Encoding::default()
+    };
+    let size = (width as usize, height as usize);
+    let layer = Layer::new(
+        size,
+        LayerAttributes::default(),
+        encoding,
+        AnyChannels::sort(channels),
+    );
+    let mut bytes = Vec::new();
+    Image::from_layer(layer)
+        .write()
+        .to_unbuffered(Cursor::new(&mut bytes))
+        .map_err(|error| Error::input("exr", format!("{width} x {height}"), error.to_string()))?;
+    Ok(bytes)
+}
+
+fn channel(
+    name: &str,
+    pixels: usize,
+    values: impl ExactSizeIterator<Item = f32>,
+) -> Result<AnyChannel<FlatSamples>> {
+    if pixels == 0 || values.len() != pixels {
+        return Err(capacity(
+            &format!("pixels of channel {name}"),
+            pixels as u64,
+            values.len() as u64,
+        ));
+    }
+    Ok(AnyChannel::new(name, FlatSamples::F32(values.collect())))
+}
+
+fn capacity(what: &str, need: u64, have: u64) -> Error {
+    Error::Capacity {
+        what: what.to_owned(),
+        need,
+        have,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ::exr::prelude::{ReadChannels, ReadLayers, read};
+
+    fn read_back(bytes: &[u8]) -> Vec<(String, Vec<f32>)> {
+        let image = read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(Cursor::new(bytes))
+            .unwrap();
+        let list = image.layer_data.channel_data.list.into_iter();
+        list.map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect()))
+            .collect()
+    }
+
+    #[test]
+    fn layers_come_back_by_name_with_their_values() {
+        let rgba: Vec<[f32; 4]> = (0..6)
+            .map(|i| [i as f32 * 0.1, 0.5, 1.5, (i % 2) as f32])
+            .collect();
+        let aov = Aov {
+            triangle: &[0, 1, u32::MAX, 3, 1 << 24, 5],
+            barycentric: &[[0.25, 0.25, 0.5]; 6],
+            fetches: &[1, 2, 3, 4, 5, 6],
+            depth: &[0.0, 0.1, 0.2, 0.3, 0.4, 0.5],
+        };
+        let bytes = encode_exr(3, 2, &rgba, Some(aov)).unwrap();
+        assert_eq!(bytes, encode_exr(3, 2, &rgba, Some(aov)).unwrap());
+        let channels = read_back(&bytes);
+        let get = |name: &str| {
+            &channels
+                .iter()
+                .find(|c| c.0 == name)
+                .unwrap_or_else(|| panic!("no {name}"))
+                .1
+        };
+        assert_eq!(get("R"), &rgba.iter().map(|p| p[0]).collect::<Vec<_>>());
+        assert_eq!(get("triangle.id"), &[0.0, 1.0, -1.0, 3.0, 16777216.0, 5.0]);
+        assert_eq!(get("barycentric.z"), &[0.5; 6]);
+        assert_eq!(get("fetches.count"), &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!(get("depth.Z"), aov.depth);
+        assert_eq!(read_back(&encode_exr(3, 2, &rgba, None).unwrap()).len(), 4);
+    }
+
+    #[test]
+    fn ids_that_floats_would_blur_and_wrong_sizes_are_refused() {
+        let aov = Aov {
+            triangle: &[(1 << 24) + 1],
+            barycentric: &[[0.0; 3]],
+            fetches: &[0],
+            depth: &[0.0],
+        };
+        assert!(encode_exr(1, 1, &[[0.0; 4]], Some(aov)).is_err());
+        assert!(encode_exr(2, 1, &[[0.0; 4]], None).is_err());
+        assert!(encode_exr(0, 1, &[], None).is_err());
+    }
+}
