@@ -3,6 +3,17 @@
 //! In: nothing but numbers. Out: [`Mesh`], whose invariants ([`Mesh::validate`]) every stage may rely on: indices in
 //! range, arrays of equal length or empty, floats finite.
 
+mod normal;
+pub mod shapes;
+mod tangent;
+mod topology;
+
+pub use normal::smooth_normals;
+pub use tangent::{CornerTangents, tangents};
+pub use topology::{Adjacency, Components, NONE, Weld, components};
+
+use crate::{Error, Result};
+
 /// One reference mesh: all primitives of a glTF mesh, concatenated in file order.
 ///
 /// Triangle `t` of the mesh is the `t`-th triangle of the file (degenerate ones included), so ids mean the same
@@ -29,4 +40,132 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// For each triangle its material (index into the scene's materials).
     pub triangle_material: Vec<u32>,
+}
+
+impl Mesh {
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Positions of the three corners of triangle `t`.
+    pub fn corners(&self, t: usize) -> [[f32; 3]; 3] {
+        self.triangles[t].map(|v| self.positions[v as usize])
+    }
+
+    /// Smallest and largest coordinates of all vertices; `None` for an empty mesh.
+    pub fn bounds(&self) -> Option<([f32; 3], [f32; 3])> {
+        let first = *self.positions.first()?;
+        Some(
+            self.positions
+                .iter()
+                .fold((first, first), |(low, high), p| {
+                    (
+                        std::array::from_fn(|k| low[k].min(p[k])),
+                        std::array::from_fn(|k| high[k].max(p[k])),
+                    )
+                }),
+        )
+    }
+
+    /// Checks every invariant that later stages rely on.
+    ///
+    /// # Errors
+    /// [`Error::Input`] naming the mesh, the array and the element: an array whose length is not the number of
+    /// vertices (or of triangles), an index past the vertices, a float that is not finite.
+    pub fn validate(&self) -> Result<()> {
+        let vertices = self.positions.len();
+        self.length("normals", self.normals.len(), vertices, false)?;
+        self.length("tangents", self.tangents.len(), vertices, true)?;
+        self.length("colors", self.colors.len(), vertices, true)?;
+        self.length("joints", self.joints.len(), vertices, true)?;
+        self.length("weights", self.weights.len(), vertices, true)?;
+        self.length(
+            "triangle_material",
+            self.triangle_material.len(),
+            self.triangles.len(),
+            false,
+        )?;
+        if self.joints.len() != self.weights.len() {
+            return Err(self.fault("joints".into(), "joints and weights come together".into()));
+        }
+        self.finite("positions", &self.positions)?;
+        self.finite("normals", &self.normals)?;
+        self.finite("tangents", &self.tangents)?;
+        self.finite("colors", &self.colors)?;
+        self.finite("weights", &self.weights)?;
+        for (set, uv) in self.uv_sets.iter().enumerate() {
+            let name = format!("uv_sets[{set}]");
+            self.length(&name, uv.len(), vertices, false)?;
+            self.finite(&name, uv)?;
+        }
+        for (t, triangle) in self.triangles.iter().enumerate() {
+            if let Some(v) = triangle.iter().find(|&&v| v as usize >= vertices) {
+                let reason = format!("vertex {v} does not exist ({vertices} vertices)");
+                return Err(self.fault(format!("triangles[{t}]"), reason));
+            }
+        }
+        Ok(())
+    }
+
+    fn fault(&self, element: String, reason: String) -> Error {
+        Error::input(format!("mesh \"{}\"", self.name), element, reason)
+    }
+
+    fn length(&self, what: &str, have: usize, want: usize, may_be_empty: bool) -> Result<()> {
+        if have == want || (may_be_empty && have == 0) {
+            return Ok(());
+        }
+        Err(self.fault(
+            what.into(),
+            format!("{have} elements where {want} are needed"),
+        ))
+    }
+
+    fn finite<const N: usize>(&self, what: &str, values: &[[f32; N]]) -> Result<()> {
+        match values.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
+            Some(i) => Err(self.fault(format!("{what}[{i}]"), "is not finite".into())),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shape_is_valid() {
+        for mesh in shapes::all() {
+            mesh.validate().unwrap();
+            assert_eq!(mesh.uv_sets.len(), 1, "{}", mesh.name);
+        }
+    }
+
+    #[test]
+    fn an_empty_mesh_is_valid_and_has_no_bounds() {
+        Mesh::default().validate().unwrap();
+        assert!(Mesh::default().bounds().is_none());
+    }
+
+    /// Each fault alone must be found, with the element in the message.
+    #[test]
+    fn every_fault_is_named() {
+        type Spoil = fn(&mut Mesh);
+        let faults: [(Spoil, &str); 7] = [
+            (|m| m.triangles[1][2] = 4, "triangles[1]"),
+            (|m| m.positions[3][1] = f32::NAN, "positions[3]"),
+            (|m| m.uv_sets[0][2][0] = f32::INFINITY, "uv_sets[0][2]"),
+            (|m| m.normals.truncate(3), "normals"),
+            (|m| m.colors = vec![[1.0; 4]; 3], "colors"),
+            (|m| m.joints = vec![[0; 4]; 4], "joints"),
+            (|m| m.triangle_material.clear(), "triangle_material"),
+        ];
+        for (spoil, element) in faults {
+            let mut mesh = shapes::tetrahedron();
+            spoil(&mut mesh);
+            let message = mesh.validate().unwrap_err().to_string();
+            assert!(message.contains(element), "{message}");
+        }
+    }
 }
