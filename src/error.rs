@@ -106,7 +106,10 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Option { .. } => 2,
-            Error::Io { .. } | Error::Input { .. } | Error::Parameterization { .. } | Error::Capacity { .. } => 3,
+            Error::Io { .. }
+            | Error::Input { .. }
+            | Error::Parameterization { .. }
+            | Error::Capacity { .. } => 3,
             Error::NoDevice { .. }
             | Error::Requirement { .. }
             | Error::DeviceLost { .. }
@@ -118,12 +121,23 @@ impl Error {
     }
 
     /// An [`Error::Input`] from its three parts.
-    pub fn input(file: impl Into<String>, element: impl Into<String>, reason: impl Into<String>) -> Self {
-        Error::Input { file: file.into(), element: element.into(), reason: reason.into() }
+    pub fn input(
+        file: impl Into<String>,
+        element: impl Into<String>,
+        reason: impl Into<String>,
+    ) -> Self {
+        Error::Input {
+            file: file.into(),
+            element: element.into(),
+            reason: reason.into(),
+        }
     }
 
     /// An [`Error::Io`] about `path`.
     pub fn io(path: impl Into<PathBuf>, source: std::io::Error) -> Self {
-        Error::Io { path: path.into(), source }
+        Error::Io {
+            path: path.into(),
+            source,
+        }
     }
 }

@@ -1,17 +1,17 @@
 //! Invertex: inverse geometric textures.
 
+pub mod asset;
+pub mod attribute;
 pub mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-pub mod mesh;
-pub mod scene;
-pub mod param;
-pub mod lod;
 pub mod igt;
-pub mod attribute;
-pub mod asset;
-pub mod render;
+pub mod lod;
 pub mod measure;
+pub mod mesh;
 pub mod output;
+pub mod param;
+pub mod render;
+pub mod scene;
 
 pub use error::{Error, Result};

@@ -1,1 +1,15 @@
-//! (in the making)
+//! What can be fetched at a point of the reference: colour, normal, artist textures, material.
+//!
+//! In: reference meshes, materials, decoded images. Out: an [`AttributeSet`], plain words that the CPU
+//! ([`surface`](self)) and the shaders (`glsl/common/surface.glsl`) read alike, and evaluate to the same bits.
+
+pub(crate) mod arithmetic;
+mod material;
+mod mips;
+pub(crate) mod sample;
+pub(crate) mod surface;
+mod texture;
+
+pub use material::{Alpha, Material, Slot, SlotBinding};
+pub use surface::AttributeSet;
+pub use texture::{Pixels, Sampler, TextureSet, Wrap};

@@ -37,7 +37,8 @@ impl Frame {
     /// LoD's moved vertices may reach a little outside the reference. `None` where `reach` is zero or not finite.
     pub fn fitting(origin: [f64; 3], reach: f64) -> Option<Self> {
         let scale = (VERTEX_MAX as f64) * (31.0 / 32.0) / reach;
-        let usable = reach > 0.0 && scale.is_finite() && scale > 0.0 && origin.iter().all(|x| x.is_finite());
+        let usable =
+            reach > 0.0 && scale.is_finite() && scale > 0.0 && origin.iter().all(|x| x.is_finite());
         usable.then_some(Frame { origin, scale })
     }
 
@@ -64,7 +65,9 @@ impl Frame {
 
     fn to_steps(self, p: [f64; 3], finer: f64, limit: i32) -> [i32; 3] {
         // `as` saturates and turns NaN into 0; the f64 product is exact enough that both ends round alike everywhere.
-        [0, 1, 2].map(|k| (((p[k] - self.origin[k]) * (self.scale * finer)).round() as i32).clamp(-limit, limit))
+        [0, 1, 2].map(|k| {
+            (((p[k] - self.origin[k]) * (self.scale * finer)).round() as i32).clamp(-limit, limit)
+        })
     }
 }
 

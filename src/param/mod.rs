@@ -80,7 +80,10 @@ impl Primary {
     /// scale is the one that fits the mesh.
     pub fn new(kind: PrimaryKind, mesh: &Mesh, origin: [f64; 3]) -> Result<Self> {
         if let PrimaryKind::UvSet(set) = kind
-            && mesh.uv_sets.get(set as usize).is_none_or(|uv| uv.len() != mesh.positions.len())
+            && mesh
+                .uv_sets
+                .get(set as usize)
+                .is_none_or(|uv| uv.len() != mesh.positions.len())
         {
             return Err(Error::Parameterization {
                 mesh: mesh.name.clone(),
@@ -90,10 +93,19 @@ impl Primary {
                 ),
             });
         }
-        let unscaled = Primary { kind, frame: Frame { origin, scale: 1.0 } };
+        let unscaled = Primary {
+            kind,
+            frame: Frame { origin, scale: 1.0 },
+        };
         let reach = (0..mesh.positions.len())
             .map(|v| unscaled.t3_of(mesh, v))
-            .flat_map(|p| [(p[0] - origin[0]).abs(), (p[1] - origin[1]).abs(), (p[2] - origin[2]).abs()])
+            .flat_map(|p| {
+                [
+                    (p[0] - origin[0]).abs(),
+                    (p[1] - origin[1]).abs(),
+                    (p[2] - origin[2]).abs(),
+                ]
+            })
             .fold(0.0, f64::max);
         let frame = Frame::fitting(origin, reach).ok_or_else(|| Error::Parameterization {
             mesh: mesh.name.clone(),
@@ -104,7 +116,13 @@ impl Primary {
 
     /// The primary of `kind` with its origin in the middle of the mesh's T3 box.
     pub fn centred(kind: PrimaryKind, mesh: &Mesh) -> Result<Self> {
-        let probe = Primary { kind, frame: Frame { origin: [0.0; 3], scale: 1.0 } };
+        let probe = Primary {
+            kind,
+            frame: Frame {
+                origin: [0.0; 3],
+                scale: 1.0,
+            },
+        };
         if let PrimaryKind::UvSet(_) = kind {
             Primary::new(kind, mesh, [0.0; 3])?;
         }
@@ -199,7 +217,10 @@ impl FromStr for PrimaryRequest {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let refuse = |reason: String| Error::Option { option: "--primary", reason };
+        let refuse = |reason: String| Error::Option {
+            option: "--primary",
+            reason,
+        };
         let (kind, parameter) = match text.split_once(':') {
             Some((kind, parameter)) => (kind, Some(parameter)),
             None => (text, None),
@@ -231,7 +252,15 @@ fn centre(text: &str) -> Result<[f32; 3]> {
         option: "--primary",
         reason: format!("sphere centre \"{text}\" is not three finite numbers x,y,z"),
     };
-    let numbers: Vec<f32> = text.split(',').map(|n| n.trim().parse()).collect::<Result<_, _>>().map_err(|_| refuse())?;
+    let numbers: Vec<f32> = text
+        .split(',')
+        .map(|n| n.trim().parse())
+        .collect::<Result<_, _>>()
+        .map_err(|_| refuse())?;
     let c: [f32; 3] = numbers.try_into().map_err(|_| refuse())?;
-    if c.iter().all(|x| x.is_finite()) { Ok(c) } else { Err(refuse()) }
+    if c.iter().all(|x| x.is_finite()) {
+        Ok(c)
+    } else {
+        Err(refuse())
+    }
 }

@@ -106,7 +106,10 @@ pub fn octahedral_texel(bits: u32, d: [i32; 3], negative: [bool; 3]) -> [u32; 2]
     // Distance from the map's middle line, in units of `length`; the lower half is folded outwards.
     let u = if negative[2] { length - a[1] } else { a[0] };
     let v = if negative[2] { length - a[0] } else { a[1] };
-    [half(bits, u, length, negative[0]), half(bits, v, length, negative[1])]
+    [
+        half(bits, u, length, negative[0]),
+        half(bits, v, length, negative[1]),
+    ]
 }
 
 fn half(bits: u32, u: u32, length: u32, negative: bool) -> u32 {
@@ -179,12 +182,19 @@ fn side(line: Line, d: [i32; 3], a: [i32; 3], b: [i32; 3]) -> i128 {
 fn tie(line: Line, d: [i32; 3], q: [i32; 3], a: [i32; 3], b: [i32; 3]) -> i32 {
     let wide = |p: [i32; 3]| p.map(|x| x as i64);
     let (a, b) = (wide(a), wide(b));
-    let first = |terms: &[i64]| terms.iter().find(|t| **t != 0).map_or(0, |t| t.signum() as i32);
+    let first = |terms: &[i64]| {
+        terms
+            .iter()
+            .find(|t| **t != 0)
+            .map_or(0, |t| t.signum() as i32)
+    };
     match line {
         Line::Parallel => first(&[a[1] - b[1], b[0] - a[0]]),
-        Line::Sphere => {
-            first(&[a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
-        }
+        Line::Sphere => first(&[
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]),
         Line::Cylinder => {
             let (dx, dy) = (d[0] as i64, d[1] as i64);
             let turn = |p: [i64; 3]| p[0] * dy - p[1] * dx;

@@ -1,1 +1,30 @@
-//! (in the making)
+//! Pictures of a mesh, by correspondence and attribute.
+//!
+//! In: a [`Picture`] (geometries, draws, attributes) and a [`Camera`]. Out: [`Rendered`]: colours and AOVs. The deferred
+//! path has three passes, each a Rust file beside the shader of the same name, with the same bits on every processor:
+//!
+//! ```text
+//! project  vertices -> snapped pixels          project.rs   glsl/render/project.comp
+//! raster   triangles -> id of each pixel       raster.rs    glsl/render/raster.vert .frag    (coverage: cover.rs)
+//! shade    id -> correspondence -> attributes -> colour     shade.rs  glsl/render/shade.comp
+//! ```
+
+mod camera;
+mod camera_file;
+mod constants;
+mod correspond;
+mod cover;
+mod draw;
+mod light;
+mod picture;
+mod project;
+mod raster;
+mod renderer;
+mod shade;
+
+pub use camera::{Camera, MAX_SIDE, Projection};
+pub use camera_file::{View, parse_views};
+pub use constants::legend;
+pub use draw::Light;
+pub use picture::{Geometry, Picture};
+pub use renderer::{Options, Output, Rendered, Renderer};

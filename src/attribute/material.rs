@@ -1,0 +1,135 @@
+//! Materials as words, and the light that a surface sends out as its material says.
+//!
+//! In: glTF's metallic-roughness numbers and texture slots. Out: one record of [`MATERIAL_WORDS`] for each material,
+//! read by [`super::surface`] and by `glsl/common/surface.glsl`.
+
+/// Words of one material record.
+pub(crate) const MATERIAL_WORDS: usize = 64;
+/// Where the texture slots begin, and the words of each.
+pub(crate) const SLOTS_AT: usize = 16;
+pub(crate) const SLOT_WORDS: usize = 8;
+/// A slot without a texture.
+pub(crate) const NO_TEXTURE: u32 = u32::MAX;
+
+/// The texture slots of a material, in the order of the record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    /// Colour, sRGB; alpha.
+    BaseColor,
+    /// Roughness in green, metalness in blue.
+    MetallicRoughness,
+    /// Tangent-space normal.
+    Normal,
+    /// Ambient occlusion in red.
+    Occlusion,
+    /// Emitted light, sRGB.
+    Emissive,
+}
+
+/// A texture as a material uses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlotBinding {
+    /// Id in the [`super::TextureSet`].
+    pub texture: u32,
+    /// Which TEXCOORD set.
+    pub uv_set: u32,
+    /// KHR_texture_transform as rows: `u' = m[0].(u, v, 1)`.
+    pub transform: [[f32; 3]; 2],
+}
+
+/// What happens to a pixel's alpha.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Alpha {
+    /// Ignored.
+    #[default]
+    Opaque,
+    /// Below the cutoff a pixel is left uncovered (nothing behind it shows: ids and depth know no textures).
+    Mask,
+    /// Drawn opaque.
+    Blend,
+}
+
+/// A material with its textures already in a [`super::TextureSet`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Linear RGBA factor.
+    pub base_color: [f32; 4],
+    /// Linear RGB factor.
+    pub emissive: [f32; 3],
+    /// Factor of metalness.
+    pub metallic: f32,
+    /// Factor of roughness.
+    pub roughness: f32,
+    /// Scale of the normal map's x and y.
+    pub normal_scale: f32,
+    /// 0: occlusion ignored, 1: whole.
+    pub occlusion_strength: f32,
+    /// Below this alpha a masked pixel is not drawn.
+    pub alpha_cutoff: f32,
+    /// What alpha does.
+    pub alpha: Alpha,
+    /// Never lit (KHR_materials_unlit).
+    pub unlit: bool,
+    /// One for each [`Slot`].
+    pub slots: [Option<SlotBinding>; 5],
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Material {
+            base_color: [1.0; 4],
+            emissive: [0.0; 3],
+            metallic: 1.0,
+            roughness: 1.0,
+            normal_scale: 1.0,
+            occlusion_strength: 1.0,
+            alpha_cutoff: 0.5,
+            alpha: Alpha::Opaque,
+            unlit: false,
+            slots: [None; 5],
+        }
+    }
+}
+
+impl Material {
+    /// The record. `uv_sets` is how many uv sets the vertices carry; a slot that asks for another is left out.
+    pub(crate) fn words(&self, uv_sets: usize) -> [u32; MATERIAL_WORDS] {
+        let mut words = [0u32; MATERIAL_WORDS];
+        let mut put = |at: usize, values: &[f32]| {
+            values
+                .iter()
+                .enumerate()
+                .for_each(|(i, v)| words[at + i] = v.to_bits());
+        };
+        put(0, &self.base_color);
+        put(4, &self.emissive);
+        put(
+            7,
+            &[
+                self.metallic,
+                self.roughness,
+                self.normal_scale,
+                self.occlusion_strength,
+                self.alpha_cutoff,
+            ],
+        );
+        words[12] = self.alpha as u32;
+        words[13] = u32::from(self.unlit);
+        for (k, slot) in self.slots.iter().enumerate() {
+            let at = SLOTS_AT + k * SLOT_WORDS;
+            match slot {
+                Some(s) if (s.uv_set as usize) < uv_sets => {
+                    words[at] = s.texture;
+                    words[at + 1] = super::surface::UV_AT as u32 + 2 * s.uv_set;
+                    let [u, v] = s.transform;
+                    let rows = [u[0], u[1], v[0], v[1], u[2], v[2]];
+                    rows.iter()
+                        .enumerate()
+                        .for_each(|(i, r)| words[at + 2 + i] = r.to_bits());
+                }
+                _ => words[at] = NO_TEXTURE,
+            }
+        }
+        words
+    }
+}

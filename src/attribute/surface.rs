@@ -1,0 +1,233 @@
+//! What can be fetched at a point of the reference surface: the twin of `glsl/common/surface.glsl`.
+//!
+//! In: a reference triangle, barycentrics there and at the neighbouring pixels. Out: [`Surface`]: colour, two-level
+//! normal, metalness, roughness, occlusion, emission, all filtered.
+//!
+//! Every mesh's triangles and vertices lie in two runs of words: for a triangle the word offsets of its three vertices
+//! and its material; for a vertex normal, tangent, colour and the uv sets.
+
+use super::arithmetic::{V3, add3, cross3, dot3, mul3, scale3, unit3};
+use super::material::{MATERIAL_WORDS, Material, NO_TEXTURE, SLOT_WORDS, SLOTS_AT};
+use super::sample::UvGradient;
+use super::texture::TextureSet;
+use crate::mesh::Mesh;
+use crate::{Error, Result};
+
+/// Where the uv sets of a vertex begin: after normal (3), tangent (4) and colour (4).
+pub(crate) const UV_AT: usize = 11;
+/// Gradient of uv where the next pixel's has no meaning: the smallest mip level.
+const STEEP: f32 = 1e6;
+
+/// All that can be fetched of the reference meshes of a picture.
+#[derive(Clone, Debug, Default)]
+pub struct AttributeSet {
+    /// Word offsets of the three vertices, and the material.
+    pub(crate) triangles: Vec<[u32; 4]>,
+    /// Vertices, bits of floats.
+    pub(crate) vertices: Vec<u32>,
+    /// Material records.
+    pub(crate) materials: Vec<u32>,
+    /// Their textures.
+    pub(crate) textures: TextureSet,
+    uv_sets: usize,
+}
+
+/// A point of the reference and how it moves to the next pixel in x and in y.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SurfacePoint {
+    /// Number in [`AttributeSet::triangles`].
+    pub triangle: u32,
+    /// Barycentrics.
+    pub b: [f32; 3],
+    /// Change of the barycentrics to the next pixel in x; none where that has no meaning.
+    pub dx: Option<[f32; 3]>,
+    /// Likewise in y.
+    pub dy: Option<[f32; 3]>,
+}
+
+/// Rows of the transforms of one draw.
+pub(crate) struct Frame<'a> {
+    pub world: &'a [[f32; 4]; 3],
+    pub normal: &'a [[f32; 4]; 3],
+}
+
+/// What the material says at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Surface {
+    pub base: [f32; 4],
+    /// Unit, world space.
+    pub normal: V3,
+    pub emissive: V3,
+    pub metallic: f32,
+    pub roughness: f32,
+    pub occlusion: f32,
+    /// A masked pixel whose alpha is below the cutoff.
+    pub masked: bool,
+    pub unlit: bool,
+}
+
+impl AttributeSet {
+    /// An empty set whose vertices carry `uv_sets` uv sets.
+    pub fn new(textures: TextureSet, materials: &[Material], uv_sets: usize) -> Self {
+        let materials = materials.iter().flat_map(|m| m.words(uv_sets)).collect();
+        AttributeSet {
+            materials,
+            textures,
+            uv_sets,
+            ..AttributeSet::default()
+        }
+    }
+
+    /// Number of materials.
+    pub fn material_count(&self) -> usize {
+        self.materials.len() / MATERIAL_WORDS
+    }
+
+    /// Appends a mesh; returns the number of its first triangle.
+    pub fn push_mesh(&mut self, mesh: &Mesh) -> Result<u32> {
+        let base = self.vertices.len();
+        let stride = UV_AT + 2 * self.uv_sets;
+        let words = (base + mesh.positions.len() * stride) as u64;
+        if words > u64::from(u32::MAX) / 4 {
+            return Err(Error::Capacity {
+                what: "words of vertex attributes".into(),
+                need: words,
+                have: 1 << 30,
+            });
+        }
+        for vertex in 0..mesh.positions.len() {
+            self.push_vertex(mesh, vertex);
+        }
+        let first = self.triangles.len() as u32;
+        for (triangle, material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
+            let [a, b, c] = triangle.map(|v| (base + v as usize * stride) as u32);
+            let material = (*material as usize).min(self.material_count().saturating_sub(1)) as u32;
+            self.triangles.push([a, b, c, material]);
+        }
+        Ok(first)
+    }
+
+    fn push_vertex(&mut self, mesh: &Mesh, vertex: usize) {
+        let tangent = mesh.tangents.get(vertex).copied().unwrap_or([0.0; 4]);
+        let color = mesh.colors.get(vertex).copied().unwrap_or([1.0; 4]);
+        let mut put = |values: &[f32]| self.vertices.extend(values.iter().map(|v| v.to_bits()));
+        put(&mesh.normals[vertex]);
+        put(&tangent);
+        put(&color);
+        for set in 0..self.uv_sets {
+            put(&mesh
+                .uv_sets
+                .get(set)
+                .and_then(|s| s.get(vertex))
+                .copied()
+                .unwrap_or([0.0; 2]));
+        }
+    }
+
+    fn float(&self, at: u32) -> f32 {
+        f32::from_bits(self.vertices[at as usize])
+    }
+
+    /// Word `word` of the three vertices, weighted.
+    fn weighted(&self, corner: [u32; 4], word: u32, b: [f32; 3]) -> f32 {
+        b[0] * self.float(corner[0] + word)
+            + b[1] * self.float(corner[1] + word)
+            + b[2] * self.float(corner[2] + word)
+    }
+
+    fn weighted3(&self, corner: [u32; 4], word: u32, b: [f32; 3]) -> V3 {
+        [0, 1, 2].map(|i| self.weighted(corner, word + i, b))
+    }
+
+    fn material_float(&self, at: u32) -> f32 {
+        f32::from_bits(self.materials[at as usize])
+    }
+
+    /// The texture of slot `slot`, or `missing` where there is none.
+    fn slot(
+        &self,
+        decode: &[f32],
+        corner: [u32; 4],
+        slot: u32,
+        p: &SurfacePoint,
+        missing: [f32; 4],
+    ) -> [f32; 4] {
+        let at = corner[3] * MATERIAL_WORDS as u32 + SLOTS_AT as u32 + slot * SLOT_WORDS as u32;
+        let texture = self.materials[at as usize];
+        if texture == NO_TEXTURE {
+            return missing;
+        }
+        let word = self.materials[at as usize + 1];
+        let m = [2, 3, 4, 5, 6, 7].map(|i| self.material_float(at + i));
+        let [u, v] = [0, 1].map(|i| self.weighted(corner, word + i, p.b));
+        let uv = [m[0] * u + m[1] * v + m[4], m[2] * u + m[3] * v + m[5]];
+        let gradient = |d: Option<[f32; 3]>| match d {
+            Some(d) => {
+                let [u, v] = [0, 1].map(|i| self.weighted(corner, word + i, d));
+                [m[0] * u + m[1] * v, m[2] * u + m[3] * v]
+            }
+            None => [STEEP, STEEP],
+        };
+        let at = UvGradient {
+            uv,
+            dx: gradient(p.dx),
+            dy: gradient(p.dy),
+        };
+        self.textures.sample(decode, texture, &at)
+    }
+
+    /// Everything the material says at `p`.
+    pub(crate) fn surface(&self, decode: &[f32], p: &SurfacePoint, frame: &Frame) -> Surface {
+        let corner = self.triangles[p.triangle as usize];
+        let m = corner[3] * MATERIAL_WORDS as u32;
+        let white = [1.0; 4];
+        let texel = self.slot(decode, corner, 0, p, white);
+        let color = [0, 1, 2, 3].map(|i| self.weighted(corner, 7 + i, p.b));
+        let base: [f32; 4] =
+            std::array::from_fn(|i| texel[i] * self.material_float(m + i as u32) * color[i]);
+        let orm = self.slot(decode, corner, 1, p, white);
+        let occlusion = self.slot(decode, corner, 3, p, white)[0];
+        let emissive = self.slot(decode, corner, 4, p, white);
+        let strength = self.material_float(m + 10);
+        let factor = [0, 1, 2].map(|i| self.material_float(m + 4 + i));
+        Surface {
+            base,
+            normal: self.normal(decode, corner, p, frame),
+            emissive: mul3(factor, [emissive[0], emissive[1], emissive[2]]),
+            metallic: orm[2] * self.material_float(m + 7),
+            roughness: orm[1] * self.material_float(m + 8),
+            occlusion: 1.0 + strength * (occlusion - 1.0),
+            masked: self.materials[m as usize + 12] == 1 && base[3] < self.material_float(m + 11),
+            unlit: self.materials[m as usize + 13] != 0,
+        }
+    }
+
+    /// Two-level normal: the reference's interpolated one, tilted by the artist's map in the reference's tangent frame.
+    fn normal(&self, decode: &[f32], corner: [u32; 4], p: &SurfacePoint, frame: &Frame) -> V3 {
+        let row = |r: &[f32; 4]| [r[0], r[1], r[2]];
+        let object = self.weighted3(corner, 0, p.b);
+        let n = unit3(
+            frame.normal.each_ref().map(|r| dot3(row(r), object)),
+            [0.0, 0.0, 1.0],
+        );
+        let flat = [0.5, 0.5, 1.0, 1.0];
+        let texel = self.slot(decode, corner, 2, p, flat);
+        let object = self.weighted3(corner, 3, p.b);
+        let t = frame.world.each_ref().map(|r| dot3(row(r), object));
+        let slot = corner[3] * MATERIAL_WORDS as u32 + SLOTS_AT as u32 + 2 * SLOT_WORDS as u32;
+        if self.materials[slot as usize] == NO_TEXTURE || dot3(t, t) <= 1e-30 {
+            return n;
+        }
+        let scale = self.material_float(corner[3] * MATERIAL_WORDS as u32 + 9);
+        let t = unit3(t, [1.0, 0.0, 0.0]);
+        let side = self.float(corner[0] + 6) * frame.normal[0][3];
+        let bitangent = scale3(cross3(n, t), side);
+        let x = (texel[0] * 2.0 - 1.0) * scale;
+        let y = (texel[1] * 2.0 - 1.0) * scale;
+        let z = texel[2] * 2.0 - 1.0;
+        unit3(
+            add3(add3(scale3(t, x), scale3(bitangent, y)), scale3(n, z)),
+            n,
+        )
+    }
+}

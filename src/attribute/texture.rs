@@ -1,0 +1,226 @@
+//! Textures as words: what the CPU and every device sample alike.
+//!
+//! In: decoded images, RGBA of 8 bits, row 0 on top (where glTF has v = 0). Out: [`TextureSet`]: one linear run of
+//! texels (a word each, R in the low byte, all mip levels of an image after each other) and one record per texture.
+//! On a device the run is split into [`SHARDS`] buffers of [`SHARD_WORDS`] words, as no storage buffer need be larger
+//! than 128 MiB; a texel's address says its shard.
+
+use super::mips;
+use crate::{Error, Result};
+use std::collections::HashMap;
+
+/// Words of one texture record.
+pub(crate) const TEXTURE_WORDS: usize = 24;
+/// Where in a record the offsets of the mip levels begin; sixteen of them.
+pub(crate) const LEVELS_AT: usize = 8;
+/// Most mip levels, so the longest side is 32768 texels.
+const MAX_LEVELS: usize = 16;
+/// Texels of one shard: 128 MiB.
+pub(crate) const SHARD_WORDS: usize = 1 << 25;
+/// Number of shards.
+pub(crate) const SHARDS: usize = 4;
+
+/// Bits of a record's flag word.
+pub(crate) const FLAG_SRGB: u32 = 1;
+/// The nearest texel instead of a bilinear blend.
+pub(crate) const FLAG_NEAREST: u32 = 2;
+/// Level 0 only, whatever the gradient.
+pub(crate) const FLAG_NO_MIPS: u32 = 4;
+
+/// What lies outside [0, 1] along one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// The texture again.
+    #[default]
+    Repeat,
+    /// The texture again, every other time mirrored.
+    Mirror,
+    /// The last texel.
+    Clamp,
+}
+
+/// How a texture is sampled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Sampler {
+    /// Along u.
+    pub wrap_u: Wrap,
+    /// Along v.
+    pub wrap_v: Wrap,
+    /// The nearest texel instead of a bilinear blend.
+    pub nearest: bool,
+    /// Level 0 only.
+    pub no_mips: bool,
+}
+
+/// A decoded image: `rgba` holds `width * height` texels of 4 bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixels<'a> {
+    /// Texels across.
+    pub width: u32,
+    /// Texels down.
+    pub height: u32,
+    /// Row after row from the top.
+    pub rgba: &'a [u8],
+}
+
+/// All textures of a picture.
+#[derive(Clone, Debug, Default)]
+pub struct TextureSet {
+    /// One record of [`TEXTURE_WORDS`] each: base address, width, height, levels, wrap modes, flags, 0, 0, offsets.
+    pub(crate) records: Vec<u32>,
+    /// The texels of all levels of all images.
+    pub(crate) texels: Vec<u32>,
+    chains: HashMap<(usize, bool), Chain>,
+    known: HashMap<(usize, bool, Sampler), u32>,
+}
+
+#[derive(Clone, Debug)]
+struct Chain {
+    base: u32,
+    width: u32,
+    height: u32,
+    offsets: Vec<u32>,
+}
+
+impl TextureSet {
+    /// The id of a texture: image `image` (the caller's number for it) seen as sRGB or linear through a sampler.
+    /// `pixels` is called only when the image's mip chain is not there yet.
+    pub fn add<'a>(
+        &mut self,
+        image: usize,
+        srgb: bool,
+        sampler: Sampler,
+        pixels: impl FnOnce() -> Result<Pixels<'a>>,
+    ) -> Result<u32> {
+        if let Some(&id) = self.known.get(&(image, srgb, sampler)) {
+            return Ok(id);
+        }
+        if !self.chains.contains_key(&(image, srgb)) {
+            let chain = self.append(pixels()?, srgb)?;
+            self.chains.insert((image, srgb), chain);
+        }
+        let id = (self.records.len() / TEXTURE_WORDS) as u32;
+        let record = record(&self.chains[&(image, srgb)], srgb, sampler);
+        self.records.extend_from_slice(&record);
+        self.known.insert((image, srgb, sampler), id);
+        Ok(id)
+    }
+
+    /// How many textures there are.
+    pub fn len(&self) -> usize {
+        self.records.len() / TEXTURE_WORDS
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.records.is_empty()
+    }
+
+    /// The texels of shard `k`, to be uploaded as one buffer.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn shard(&self, k: usize) -> &[u32] {
+        let begin = (k * SHARD_WORDS).min(self.texels.len());
+        &self.texels[begin..(begin + SHARD_WORDS).min(self.texels.len())]
+    }
+
+    fn append(&mut self, pixels: Pixels, srgb: bool) -> Result<Chain> {
+        let (width, height) = (pixels.width, pixels.height);
+        let area = u64::from(width) * u64::from(height);
+        if area == 0 || pixels.rgba.len() as u64 != area * 4 || width.max(height) >= 1 << MAX_LEVELS
+        {
+            let reason = format!(
+                "{width}x{height} with {} bytes is not an RGBA image",
+                pixels.rgba.len()
+            );
+            return Err(Error::input("texture", "image", reason));
+        }
+        let need = (self.texels.len() as u64 + area + area / 2 + 16) * 4;
+        let have = (SHARDS * SHARD_WORDS * 4) as u64;
+        if need > have {
+            return Err(Error::Capacity {
+                what: "bytes of textures with their mip levels".into(),
+                need,
+                have,
+            });
+        }
+        let base = self.texels.len() as u32;
+        let offsets = mips::append_chain(&mut self.texels, pixels, srgb);
+        Ok(Chain {
+            base,
+            width,
+            height,
+            offsets,
+        })
+    }
+}
+
+fn record(chain: &Chain, srgb: bool, sampler: Sampler) -> [u32; TEXTURE_WORDS] {
+    let mut record = [0; TEXTURE_WORDS];
+    let flags = u32::from(srgb) * FLAG_SRGB
+        + u32::from(sampler.nearest) * FLAG_NEAREST
+        + u32::from(sampler.no_mips) * FLAG_NO_MIPS;
+    let wraps = sampler.wrap_u as u32 | ((sampler.wrap_v as u32) << 2);
+    record[..6].copy_from_slice(&[
+        chain.base,
+        chain.width,
+        chain.height,
+        chain.offsets.len() as u32,
+        wraps,
+        flags,
+    ]);
+    record[LEVELS_AT..LEVELS_AT + chain.offsets.len()].copy_from_slice(&chain.offsets);
+    record
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pixels(width: u32, height: u32, rgba: &[u8]) -> Result<Pixels<'_>> {
+        Ok(Pixels {
+            width,
+            height,
+            rgba,
+        })
+    }
+
+    #[test]
+    fn an_image_is_stored_once_for_each_colour_space() {
+        let rgba = [7u8; 5 * 3 * 4];
+        let mut set = TextureSet::default();
+        let a = set
+            .add(0, true, Sampler::default(), || pixels(5, 3, &rgba))
+            .unwrap();
+        let clamp = Sampler {
+            wrap_u: Wrap::Clamp,
+            ..Sampler::default()
+        };
+        let b = set
+            .add(0, true, clamp, || panic!("the chain is there"))
+            .unwrap();
+        let again = set
+            .add(0, true, clamp, || panic!("the texture is there"))
+            .unwrap();
+        let c = set.add(0, false, clamp, || pixels(5, 3, &rgba)).unwrap();
+        assert_eq!((a, b, again, c, set.len()), (0, 1, 1, 2, 3));
+        // 5x3, 2x1, 1x1
+        assert_eq!(set.texels.len(), 2 * (15 + 2 + 1));
+        assert_eq!(set.records[3], 3);
+        assert_eq!(&set.records[LEVELS_AT..LEVELS_AT + 3], &[0, 15, 17]);
+        assert_eq!(set.records[2 * TEXTURE_WORDS], 18);
+    }
+
+    #[test]
+    fn too_much_and_malformed_are_errors() {
+        let mut set = TextureSet::default();
+        assert!(
+            set.add(0, true, Sampler::default(), || pixels(0, 3, &[]))
+                .is_err()
+        );
+        assert!(
+            set.add(0, true, Sampler::default(), || pixels(2, 2, &[0; 15]))
+                .is_err()
+        );
+        assert!(set.is_empty());
+    }
+}

@@ -1,0 +1,147 @@
+//! The renderer: a picture made ready once, drawn from many cameras.
+
+use super::camera::Camera;
+use super::draw::{Light, ViewConstants};
+use super::picture::Picture;
+use super::shade::{
+    Aov, FETCHES_SHIFT, FLAG_WIREFRAME, NOTHING, OUTPUT_FETCHES, OUTPUT_LIT, OUTPUT_NORMALS,
+    OUTPUT_UNLIT, Pixel,
+};
+use super::{project, raster, shade};
+use crate::Result;
+
+/// What is written into the image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Output {
+    /// Lit by one directional light and a constant ambient one.
+    #[default]
+    Lit,
+    /// Base colour.
+    Unlit,
+    /// Two-level world-space normals, x y z as 0..1.
+    Normals,
+    /// Fetches of the correspondence in false colour ([`super::legend`]).
+    Fetches,
+}
+
+/// How a picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// What is written.
+    pub output: Output,
+    /// Whether the drawn triangles' edges are drawn over it.
+    pub wireframe: bool,
+    /// The light of [`Output::Lit`].
+    pub light: Light,
+    /// Fetches at the top of the false-colour scale.
+    pub fetches_top: u32,
+    /// Samples a pixel: 1 or 4 (2 x 2, averaged in linear light, weighted by coverage).
+    pub samples: u32,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            output: Output::Lit,
+            wireframe: false,
+            light: Light::default(),
+            fetches_top: 16,
+            samples: 1,
+        }
+    }
+}
+
+/// An image and what else is known of its pixels, row by row from the top.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rendered {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// sRGB, alpha = coverage, not premultiplied.
+    pub rgba8: Vec<u8>,
+    /// Linear, alpha = coverage, not premultiplied.
+    pub linear: Vec<[f32; 4]>,
+    /// Triangle of the reference, counted in its own mesh; `u32::MAX` where there is none.
+    pub triangle: Vec<u32>,
+    /// Which draw; `u32::MAX` where there is none.
+    pub draw: Vec<u32>,
+    /// Barycentrics of corners 1 and 2 in that triangle.
+    pub barycentric: Vec<[f32; 2]>,
+    /// Fetches of the correspondence.
+    pub fetches: Vec<u32>,
+    /// Depth in 0..1, 1 where nothing is.
+    pub depth: Vec<f32>,
+    /// Pixels that are not empty.
+    pub covered_pixels: u64,
+    /// Mean fetches over covered pixels.
+    pub mean_fetches: f64,
+}
+
+/// A picture made ready for drawing.
+pub struct Renderer {
+    picture: Picture,
+}
+
+impl Renderer {
+    /// Draws on the CPU.
+    pub fn cpu(picture: Picture) -> Self {
+        Renderer { picture }
+    }
+
+    /// The picture.
+    pub fn picture(&self) -> &Picture {
+        &self.picture
+    }
+
+    /// One image.
+    pub fn draw(&self, camera: &Camera, options: &Options) -> Result<Rendered> {
+        let view = ViewConstants::new(camera, &options.light, flags(options));
+        let projected = project::cpu(&self.picture.positions, &self.picture.draws, &view);
+        let ids = raster::cpu(
+            &self.picture.corners,
+            &self.picture.draws,
+            &view,
+            &projected,
+        );
+        let pixels = shade::cpu(&self.picture, &view, &projected, &ids);
+        Ok(assemble(camera, &pixels))
+    }
+}
+
+fn flags(options: &Options) -> u32 {
+    let output = match options.output {
+        Output::Lit => OUTPUT_LIT,
+        Output::Unlit => OUTPUT_UNLIT,
+        Output::Normals => OUTPUT_NORMALS,
+        Output::Fetches => OUTPUT_FETCHES,
+    };
+    output
+        | if options.wireframe { FLAG_WIREFRAME } else { 0 }
+        | (options.fetches_top.min(0xff_ffff) << FETCHES_SHIFT)
+}
+
+fn assemble(camera: &Camera, pixels: &[Pixel]) -> Rendered {
+    let mut out = Rendered {
+        width: camera.width,
+        height: camera.height,
+        ..Rendered::default()
+    };
+    for Pixel { linear, rgba8, aov } in pixels {
+        out.rgba8.extend(rgba8.to_le_bytes());
+        out.linear.push(*linear);
+        push_aov(&mut out, aov);
+    }
+    let fetches: u64 = out.fetches.iter().map(|&f| u64::from(f)).sum();
+    out.mean_fetches = fetches as f64 / out.covered_pixels.max(1) as f64;
+    out
+}
+
+fn push_aov(out: &mut Rendered, aov: &Aov) {
+    out.triangle.push(aov.triangle);
+    out.draw.push(aov.draw);
+    out.barycentric.push(aov.barycentric);
+    out.fetches.push(aov.fetches);
+    out.depth.push(aov.depth);
+    out.covered_pixels += u64::from(aov.triangle != NOTHING);
+}

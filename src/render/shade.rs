@@ -1,0 +1,242 @@
+//! Pass *shade*: from triangle ids to colours. Twin of `glsl/render/shade.comp`.
+//!
+//! In: for each pixel the picture's triangle (from the raster pass), and all words of the [`Picture`]. Out: for each
+//! pixel linear RGBA, sRGB RGBA of 8 bits, and the AOVs. Barycentrics are recomputed from the snapped vertices, at the
+//! pixel and at its two neighbours, so gradients are analytic and never cross a triangle's border.
+
+use super::constants::{THRESHOLDS_AT, palette};
+use super::correspond::{self, Correspondence};
+use super::cover::{Edges, edges};
+use super::draw::{DrawRecord, Projected, ViewConstants, draw_of_triangle};
+use super::light::{lit, split, towards_eye};
+use super::picture::Picture;
+use super::project::affine;
+use crate::attribute::arithmetic::{V3, srgb_encode, unit_encode};
+use crate::attribute::surface::Frame;
+use rayon::prelude::*;
+
+/// Id of a pixel that no triangle covers.
+pub(crate) const NOTHING: u32 = u32::MAX;
+
+/// Bits of [`ViewConstants::flags`]: what is written (0 lit, 1 base colour, 2 normals, 3 fetches) ...
+pub(crate) const OUTPUT_LIT: u32 = 0;
+pub(crate) const OUTPUT_UNLIT: u32 = 1;
+pub(crate) const OUTPUT_NORMALS: u32 = 2;
+pub(crate) const OUTPUT_FETCHES: u32 = 3;
+const OUTPUT_MASK: u32 = 3;
+/// ... whether the drawn triangles' edges are drawn over it ...
+pub(crate) const FLAG_WIREFRAME: u32 = 4;
+/// ... and, from this bit on, the number of fetches at the top of the false-colour scale.
+pub(crate) const FETCHES_SHIFT: u32 = 8;
+
+/// Colour of wireframe lines, linear.
+const LINE: V3 = [0.004, 0.006, 0.012];
+
+/// One pixel of the result. 24 bytes of AOVs follow the shader's layout.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pixel {
+    pub linear: [f32; 4],
+    pub rgba8: u32,
+    pub aov: Aov,
+}
+
+/// What else is known of a pixel.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Aov {
+    /// Triangle of the reference, counted in its own mesh; [`NOTHING`] where there is none.
+    pub triangle: u32,
+    /// Which draw.
+    pub draw: u32,
+    /// Barycentrics of corners 1 and 2 on the reference triangle.
+    pub barycentric: [f32; 2],
+    /// Fetches the correspondence took.
+    pub fetches: u32,
+    /// Depth, 1 where nothing is.
+    pub depth: f32,
+}
+
+const EMPTY: Pixel = Pixel {
+    linear: [0.0; 4],
+    rgba8: 0,
+    aov: Aov {
+        triangle: NOTHING,
+        draw: NOTHING,
+        barycentric: [0.0; 2],
+        fetches: 0,
+        depth: 1.0,
+    },
+};
+
+/// All pixels, row by row.
+pub(crate) fn cpu(
+    picture: &Picture,
+    view: &ViewConstants,
+    projected: &[Projected],
+    ids: &[u32],
+) -> Vec<Pixel> {
+    let width = view.width as usize;
+    let mut out = vec![EMPTY; ids.len()];
+    out.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        for (x, pixel) in row.iter_mut().enumerate() {
+            let id = ids[y * width + x];
+            if id != NOTHING {
+                *pixel = shade(picture, view, projected, id, x as i32, y as i32);
+            }
+        }
+    });
+    out
+}
+
+fn shade(
+    picture: &Picture,
+    view: &ViewConstants,
+    projected: &[Projected],
+    id: u32,
+    x: i32,
+    y: i32,
+) -> Pixel {
+    let draw_index = draw_of_triangle(&picture.draws, id);
+    let draw = &picture.draws[draw_index];
+    let local = id - draw.first_triangle;
+    let corner = picture.corners[(draw.corner_base + local) as usize];
+    let vertex = [corner[0], corner[1], corner[2]];
+    let seen = vertex.map(|v| projected[(v - draw.vertex_base + draw.projected_base) as usize]);
+    let here = edges(&seen, x, y);
+    let sense = here.covers();
+    let Some(b) = here.barycentric(sense) else {
+        return EMPTY;
+    };
+    let drawn = Drawn {
+        b,
+        bx: edges(&seen, x + 1, y).barycentric(sense),
+        by: edges(&seen, x, y + 1).barycentric(sense),
+        local,
+        vertex,
+        layer: corner[3],
+    };
+    let found = correspond::find(picture, draw, &drawn);
+    let depth = super::cover::depth(&seen, b).unwrap_or(1.0);
+    let world = world_position(picture, draw, vertex, b);
+    let (linear, rgba8) = colour(
+        picture,
+        view,
+        draw,
+        &Sight {
+            here: &here,
+            sense,
+            world,
+        },
+        &found,
+    );
+    let aov = Aov {
+        triangle: found.point.triangle - draw.attribute_base,
+        draw: draw_index as u32,
+        barycentric: [found.point.b[1], found.point.b[2]],
+        fetches: found.fetches,
+        depth,
+    };
+    Pixel { linear, rgba8, aov }
+}
+
+/// The drawn triangle at a pixel: barycentrics there and, where they mean something, one pixel further.
+pub(crate) struct Drawn {
+    pub b: [f32; 3],
+    pub bx: Option<[f32; 3]>,
+    pub by: Option<[f32; 3]>,
+    /// Number of the triangle in its draw.
+    pub local: u32,
+    /// Its vertices in the picture's arrays.
+    pub vertex: [u32; 3],
+    /// The layer whose hits it prefers.
+    pub layer: u32,
+}
+
+/// How the drawn triangle is seen at a pixel.
+struct Sight<'a> {
+    here: &'a Edges,
+    sense: i32,
+    world: V3,
+}
+
+fn world_position(picture: &Picture, draw: &DrawRecord, vertex: [u32; 3], b: [f32; 3]) -> V3 {
+    let [p0, p1, p2] = vertex.map(|v| picture.positions[v as usize]);
+    let p = [0, 1, 2].map(|i| b[0] * p0[i] + b[1] * p1[i] + b[2] * p2[i]);
+    draw.world.map(|row| affine(row, p))
+}
+
+fn colour(
+    picture: &Picture,
+    view: &ViewConstants,
+    draw: &DrawRecord,
+    sight: &Sight,
+    found: &Correspondence,
+) -> ([f32; 4], u32) {
+    let constants = &picture.constants;
+    let frame = Frame {
+        world: &draw.world,
+        normal: &draw.normal,
+    };
+    let mut surface = picture.attributes.surface(constants, &found.point, &frame);
+    if surface.masked {
+        return ([0.0; 4], 0);
+    }
+    // Counter-clockwise is the front, with y up; pixels have y down; a mirroring transform turns it again.
+    if sight.sense as f32 * draw.normal[0][3] > 0.0 {
+        surface.normal = surface.normal.map(|c| -c);
+    }
+    let output = view.flags & OUTPUT_MASK;
+    let coded = match output {
+        OUTPUT_NORMALS => Some(surface.normal.map(|c| c * 0.5 + 0.5)),
+        OUTPUT_FETCHES => {
+            let top = (view.flags >> FETCHES_SHIFT) as i32 as f32;
+            Some(palette(
+                constants,
+                found.fetches as i32 as f32 / top.max(1.0),
+            ))
+        }
+        _ => None,
+    };
+    if let Some([r, g, b]) = coded {
+        let code = unit_encode(r) | (unit_encode(g) << 8) | (unit_encode(b) << 16) | 0xff00_0000;
+        return ([r, g, b, 1.0], code);
+    }
+    let mut rgb = [surface.base[0], surface.base[1], surface.base[2]];
+    if output == OUTPUT_LIT && !surface.unlit {
+        let (toward, intensity) = split([view.light[0], view.light[1], view.light[2]]);
+        rgb = lit(
+            &surface,
+            towards_eye(view.eye, sight.world),
+            toward,
+            intensity,
+            view.light[3],
+        );
+    }
+    if view.flags & FLAG_WIREFRAME != 0 {
+        let line = wire(sight.here);
+        rgb = [0, 1, 2].map(|i| rgb[i] * (1.0 - line) + LINE[i] * line);
+    }
+    let thresholds = &constants[THRESHOLDS_AT..THRESHOLDS_AT + 256];
+    let [r, g, b] = rgb.map(|c| srgb_encode(thresholds, c));
+    (
+        [rgb[0], rgb[1], rgb[2], 1.0],
+        r | (g << 8) | (b << 16) | 0xff00_0000,
+    )
+}
+
+/// How much of a pixel the lines along the drawn triangle's edges cover. Lines fade where the triangle is only a few
+/// pixels high, so that dense meshes turn to an even tone instead of speckles.
+fn wire(edges: &Edges) -> f32 {
+    let doubled_area = (edges.value[0] + edges.value[1] + edges.value[2]).abs();
+    let mut line = 0f32;
+    for k in 0..3 {
+        let [x, y] = edges.step[k];
+        let length = (x * x + y * y).sqrt().max(1e-6);
+        // Values are in 1/256 square pixels, lengths in 1/16 pixels.
+        let distance = edges.value[k].abs() / (length * 16.0);
+        let height = doubled_area / (length * 16.0);
+        let fade = ((height - 1.0) * 0.25).clamp(0.15, 1.0);
+        line = line.max((1.1 - distance).clamp(0.0, 1.0) * fade);
+    }
+    line * 0.85
+}
