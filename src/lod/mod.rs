@@ -1,1 +1,126 @@
-//! (in the making)
+//! Levels of detail: a chain of simplified meshes per reference mesh, ready for inverse textures.
+//!
+//! In: all meshes of a model with their primaries, parts and places in the world; fractions of the triangle count. Out:
+//! [`Lod`]s whose vertices carry T3 coordinates on the vertex grid and whose triangles carry their part's layer, never an
+//! artist uv.
+//!
+//! ```text
+//! reference meshes --joint--> one welded mesh in world space --simplify--> fewer triangles --split--> Lod per mesh
+//! ```
+//!
+//! One simplification over everything, because budgets per part ruin silhouettes: what is flat pays for what is curved.
+//! Where the primary comes from position, vertices are welded by position and there are no seams; where it is a uv set,
+//! chart borders are kept, so that every LoD triangle lies in one chart. Vertices may move to the optimum.
+//! Simplifier: meshoptimizer (quadric error metric, Garland and Heckbert), through the meshopt crate.
+
+mod joint;
+mod simplify;
+mod split;
+
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+use crate::param::Primary;
+use crate::param::layer::Parts;
+use rayon::prelude::*;
+
+/// One level of detail of one mesh. Per-vertex arrays have one element per vertex; `joints` and `weights` are empty for
+/// unskinned meshes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Lod {
+    /// Object-space positions.
+    pub positions: Vec<[f32; 3]>,
+    /// Smooth normals of the LoD's own geometry.
+    pub normals: Vec<[f32; 3]>,
+    /// T3 coordinates on the primary's vertex grid.
+    pub t3: Vec<[i32; 3]>,
+    /// Vertex indices, three per triangle.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle the layer of its part of the reference.
+    pub triangle_layer: Vec<u8>,
+    /// Skin joints.
+    pub joints: Vec<[u16; 4]>,
+    /// Skin weights.
+    pub weights: Vec<[f32; 4]>,
+    /// The simplifier's error over the whole model, in this mesh's object units.
+    pub error: f32,
+    /// Triangles that lie the other way round in T3 than their part of the reference.
+    pub turned: u32,
+    /// False where the simplifier could not come down to the triangles asked of the whole model (many parts, seams).
+    pub reached: bool,
+}
+
+/// One mesh of the model to simplify.
+#[derive(Clone, Copy, Debug)]
+pub struct LodInput<'a> {
+    /// The reference mesh.
+    pub mesh: &'a Mesh,
+    /// Its primary parameterization.
+    pub primary: &'a Primary,
+    /// Its parts and layers.
+    pub parts: &'a Parts,
+    /// Object to world, as four columns. Where it cannot be inverted the mesh is simplified in object space.
+    pub world: [[f32; 4]; 4],
+}
+
+/// The LoD chains of a model: `result[m][k]` is mesh `m` at `fractions[k]` of the whole model's triangles. A mesh never
+/// vanishes: where its share of the budget is nothing, it keeps its coarsest level that is not empty.
+///
+/// # Errors
+/// [`Error::Option`] naming `--lods` where a fraction is not between 0 and 1 (both excluded).
+pub fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>>> {
+    if let Some(bad) = fractions.iter().find(|f| !(**f > 0.0 && **f < 1.0)) {
+        return Err(Error::Option {
+            option: "--lods",
+            reason: format!(
+                "{bad} is not a fraction of the triangles: between 0 and 1, both excluded, such as 0.5,0.2,0.05"
+            ),
+        });
+    }
+    let joint = joint::Joint::new(meshes);
+    let levels: Vec<Vec<Lod>> = fractions
+        .par_iter()
+        .map(|&fraction| {
+            let simplified = simplify::simplify(&joint, fraction);
+            (0..meshes.len())
+                .into_par_iter()
+                .map(|m| split::split(meshes, &joint, &simplified, m))
+                .collect()
+        })
+        .collect();
+    let mut chains: Vec<Vec<Lod>> = vec![Vec::with_capacity(fractions.len()); meshes.len()];
+    for level in levels {
+        chains
+            .iter_mut()
+            .zip(level)
+            .for_each(|(chain, lod)| chain.push(lod));
+    }
+    for (m, chain) in chains.iter_mut().enumerate() {
+        keep_present(meshes, &joint, m, chain, fractions);
+    }
+    Ok(chains)
+}
+
+/// Fills empty levels with the next finer one that is not, at last with the reference's own geometry.
+fn keep_present(
+    meshes: &[LodInput<'_>],
+    joint: &joint::Joint,
+    m: usize,
+    chain: &mut [Lod],
+    fractions: &[f32],
+) {
+    let mut finest_first: Vec<usize> = (0..chain.len()).collect();
+    finest_first.sort_by(|&a, &b| fractions[b].total_cmp(&fractions[a]));
+    let mut finer: Option<Lod> = None;
+    for k in finest_first {
+        if chain[k].triangles.is_empty() {
+            let kept = finer
+                .clone()
+                .unwrap_or_else(|| split::split(meshes, joint, &simplify::untouched(joint), m));
+            chain[k] = Lod {
+                reached: false,
+                ..kept
+            };
+        }
+        finer = Some(chain[k].clone());
+    }
+}

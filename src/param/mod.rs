@@ -5,12 +5,22 @@
 //! Source: Inverse Geometric Textures, section 2 (M_T = M o P o C): [`Primary::t3_of`] is C, [`projection::Line`] is P and
 //! [`projection::Line::texel`] is M.
 
+pub mod fit;
+mod fit_centre;
+mod fit_choose;
+mod fit_domain;
+mod fit_overlap;
+pub(crate) mod fit_surface;
 pub mod grid;
+pub mod layer;
 pub mod projection;
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
+pub use fit::{Fit, fit, fits};
+pub use fit_choose::choose;
 use grid::Frame;
+pub use layer::{Parts, parts};
 use projection::Line;
 use serde::{Deserialize, Serialize};
 use std::fmt;

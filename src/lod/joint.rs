@@ -1,0 +1,141 @@
+//! All meshes of a model as one, welded as their primaries allow.
+//!
+//! In: the meshes. Out: [`Joint`]: vertices in world space, each of one mesh and one part, with the uv of its chart scaled
+//! to the weight it has beside position.
+
+use super::LodInput;
+use crate::mesh::Weld;
+use crate::param::PrimaryKind;
+use glam::{DMat4, DVec3, Mat4};
+
+/// What a uv difference of 1 weighs beside a distance of the model's extent. Small: it keeps uv from shearing, the
+/// chart borders are kept by topology. (The best of the weights measured for plain textured LoDs.)
+const UV_WEIGHT: f32 = 0.1;
+
+/// Numbers per vertex beside its position: u and v.
+pub(super) const ATTRIBUTES: usize = 2;
+
+/// One vertex of the joint mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Origin {
+    /// The mesh it belongs to.
+    pub(super) mesh: u32,
+    /// The mesh's vertex it stands for (the first of those welded).
+    pub(super) vertex: u32,
+    /// The part it belongs to.
+    pub(super) part: u32,
+    /// That part's layer.
+    pub(super) layer: u8,
+}
+
+/// The joint mesh.
+pub(super) struct Joint {
+    /// World positions.
+    pub(super) positions: Vec<[f32; 3]>,
+    /// [`ATTRIBUTES`] per vertex: uv times weight for charts, zero for seamless meshes.
+    pub(super) attributes: Vec<f32>,
+    /// Where each vertex comes from.
+    pub(super) origins: Vec<Origin>,
+    /// Three per triangle; none degenerate.
+    pub(super) indices: Vec<u32>,
+    /// Triangles of all references, degenerate ones included: what fractions are fractions of.
+    pub(super) reference_triangles: usize,
+    /// Per mesh, object to world.
+    pub(super) worlds: Vec<DMat4>,
+    /// Whether any mesh has attributes that count.
+    pub(super) has_charts: bool,
+}
+
+impl Joint {
+    /// Joins and welds `meshes`.
+    pub(super) fn new(meshes: &[LodInput<'_>]) -> Self {
+        let mut joint = Joint {
+            positions: vec![],
+            attributes: vec![],
+            origins: vec![],
+            indices: vec![],
+            reference_triangles: meshes.iter().map(|input| input.mesh.triangles.len()).sum(),
+            worlds: meshes.iter().map(world).collect(),
+            has_charts: meshes.iter().any(|input| !input.primary.is_seamless()),
+        };
+        for (m, input) in meshes.iter().enumerate() {
+            joint.append(m, input);
+        }
+        joint
+    }
+
+    fn append(&mut self, m: usize, input: &LodInput<'_>) {
+        let mesh = input.mesh;
+        let weld = match input.primary.kind {
+            PrimaryKind::UvSet(set) => Weld::by_position_and_uv(mesh, set as usize),
+            _ => Weld::by_position(&mesh.positions),
+        };
+        let mut joined = vec![u32::MAX; mesh.positions.len()];
+        for (t, triangle) in mesh.triangles.iter().enumerate() {
+            let [a, b, c] = triangle.map(|v| weld.of[v as usize]);
+            if a == b || b == c || c == a {
+                continue;
+            }
+            for v in [a, b, c] {
+                if joined[v as usize] == u32::MAX {
+                    joined[v as usize] = self.positions.len() as u32;
+                    let (part, layer) =
+                        (input.parts.triangle_part[t], input.parts.triangle_layer[t]);
+                    self.push(
+                        input,
+                        Origin {
+                            mesh: m as u32,
+                            vertex: v,
+                            part,
+                            layer,
+                        },
+                    );
+                }
+                self.indices.push(joined[v as usize]);
+            }
+        }
+    }
+
+    fn push(&mut self, input: &LodInput<'_>, origin: Origin) {
+        let p = input.mesh.positions[origin.vertex as usize];
+        let world = self.worlds[origin.mesh as usize];
+        self.positions.push(
+            world
+                .transform_point3(DVec3::from(p.map(f64::from)))
+                .as_vec3()
+                .to_array(),
+        );
+        self.attributes.extend(match input.primary.kind {
+            PrimaryKind::UvSet(set) => {
+                input.mesh.uv_sets[set as usize][origin.vertex as usize].map(|x| x * UV_WEIGHT)
+            }
+            _ => [0.0; ATTRIBUTES],
+        });
+        self.origins.push(origin);
+    }
+}
+
+/// A chart's uv from a vertex's attributes.
+pub(super) fn uv_of(attributes: &[f32], vertex: usize) -> [f64; 2] {
+    [0, 1].map(|k| f64::from(attributes[vertex * ATTRIBUTES + k]) / f64::from(UV_WEIGHT))
+}
+
+/// Object to world in f64; identity where it cannot be undone or throws points out of the range of f32.
+fn world(input: &LodInput<'_>) -> DMat4 {
+    let world = Mat4::from_cols_array_2d(&input.world).as_dmat4();
+    let determinant = world.determinant();
+    let affine = world.row(3) == glam::DVec4::W;
+    let usable =
+        affine && world.is_finite() && determinant.is_normal() && world.inverse().is_finite();
+    let in_range = |p: &[f32; 3]| {
+        world
+            .transform_point3(DVec3::from(p.map(f64::from)))
+            .as_vec3()
+            .is_finite()
+    };
+    if usable && input.mesh.positions.iter().all(in_range) {
+        world
+    } else {
+        DMat4::IDENTITY
+    }
+}
