@@ -1,0 +1,225 @@
+//! The gutter: entries for points of LoDs that lie outside the reference's charts.
+//!
+//! In: base lists and the [`Needs`]: which (texel, layer) pairs the LoDs touch. Out: for each needed pair whose texel has no
+//! triangle of that layer, up to [`MOST`] triangles of the layer from the nearest texels that have some; the lookup then
+//! picks the nearest point among them. Integers only. Twin of `glsl/igt/gutter.comp`.
+
+use super::Reference;
+use super::build::{Lists, for_each_texel};
+use crate::param::projection::Line;
+use rayon::prelude::*;
+
+/// The most gutter entries of a (texel, layer) pair.
+pub const MOST: usize = 8;
+/// The farthest ring of texels searched.
+pub const REACH: u32 = 128;
+
+/// The (texel, layer) pairs that LoDs touch, ascending: `texel << 8 | layer`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Needs {
+    /// The pairs.
+    pub pairs: Vec<u64>,
+}
+
+/// A mesh on the vertex grid that will ask the tables: a LoD.
+#[derive(Clone, Copy, Debug)]
+pub struct Asking<'a> {
+    /// Vertex-grid coordinates of the vertices.
+    pub t3: &'a [[i32; 3]],
+    /// Vertex indices.
+    pub triangles: &'a [[u32; 3]],
+    /// The layer of each triangle.
+    pub layer: &'a [u8],
+}
+
+impl Needs {
+    /// What `lods` touch in tables of the given hash resolution (log2).
+    pub fn of(reference: &Reference, lods: &[Asking<'_>], bits: u32) -> Self {
+        let line = reference.primary.line();
+        let mut pairs: Vec<u64> = lods
+            .par_iter()
+            .flat_map_iter(|lod| {
+                let mut touched = Vec::new();
+                for (triangle, layer) in lod.triangles.iter().zip(lod.layer) {
+                    let corners = triangle.map(|v| lod.t3[v as usize]);
+                    for_each_texel(line, bits, &corners, |texel| {
+                        touched.push((texel as u64) << 8 | *layer as u64)
+                    });
+                }
+                touched.sort_unstable();
+                touched.dedup();
+                touched
+            })
+            .collect();
+        pairs.par_sort_unstable();
+        pairs.dedup();
+        Needs { pairs }
+    }
+}
+
+/// Gutter entries by texel: texel `t`'s are `items[start[i]..start[i + 1]]` for its place `i` in `texels`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Gutter {
+    texels: Vec<u32>,
+    start: Vec<u32>,
+    pub(super) items: Vec<u32>,
+    pub(super) width: u32,
+    pub(super) unreached: u64,
+}
+
+impl Gutter {
+    pub(super) fn of(&self, texel: usize) -> &[u32] {
+        match self.texels.binary_search(&(texel as u32)) {
+            Ok(i) => &self.items[self.start[i] as usize..self.start[i + 1] as usize],
+            Err(_) => &[],
+        }
+    }
+
+    /// Gathers what was found for each pair, in the pairs' order.
+    pub(super) fn from_found(pairs: &[u64], found: impl Iterator<Item = Found>) -> Self {
+        let mut gutter = Gutter::default();
+        for (pair, found) in pairs.iter().zip(found) {
+            let texel = (pair >> 8) as u32;
+            match found.ring {
+                COVERED => continue,
+                UNREACHED => gutter.unreached += 1,
+                ring => gutter.width = gutter.width.max(ring),
+            }
+            if gutter.texels.last() != Some(&texel) && found.count > 0 {
+                gutter.texels.push(texel);
+                gutter.start.push(gutter.items.len() as u32);
+            }
+            gutter
+                .items
+                .extend(&found.triangles[..found.count as usize]);
+        }
+        gutter.start.push(gutter.items.len() as u32);
+        gutter
+    }
+}
+
+/// Ring of a pair whose texel has a triangle of the layer already.
+pub(super) const COVERED: u32 = 0;
+/// Ring of a pair without any triangle of the layer in reach.
+pub(super) const UNREACHED: u32 = u32::MAX;
+
+/// What the search found for one pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Found {
+    pub(super) ring: u32,
+    pub(super) count: u32,
+    pub(super) triangles: [u32; MOST],
+}
+
+/// Searches for every needed pair.
+pub(super) fn fill(reference: &Reference, bits: u32, lists: &Lists, needs: &Needs) -> Gutter {
+    let line = reference.primary.line();
+    let found: Vec<Found> = needs
+        .pairs
+        .par_iter()
+        .map(|pair| search(line, bits, lists, &reference.layer, *pair))
+        .collect();
+    Gutter::from_found(&needs.pairs, found.into_iter())
+}
+
+fn search(line: Line, bits: u32, lists: &Lists, layer: &[u8], pair: u64) -> Found {
+    let (texel, wanted) = ((pair >> 8) as u32, (pair & 255) as u8);
+    let at = [(texel & ((1 << bits) - 1)) as i32, (texel >> bits) as i32];
+    let has = |t: u32| {
+        lists
+            .of(t as usize)
+            .iter()
+            .any(|i| layer[*i as usize] == wanted)
+    };
+    let mut found = Found {
+        ring: UNREACHED,
+        count: 0,
+        triangles: [0; MOST],
+    };
+    if has(texel) {
+        found.ring = COVERED;
+        return found;
+    }
+    let Some(ring) = (1..=REACH.min(1 << bits))
+        .find(|r| ring_any(*r, |d| neighbour(line, bits, at, d).is_some_and(has)))
+    else {
+        return found;
+    };
+    found.ring = ring;
+    let mut keys = [u64::MAX; MOST];
+    for r in [ring, ring + 1] {
+        ring_any(r, |d| {
+            if let Some(t) = neighbour(line, bits, at, d) {
+                let distance = (d[0] * d[0] + d[1] * d[1]) as u64;
+                for i in lists
+                    .of(t as usize)
+                    .iter()
+                    .filter(|i| layer[**i as usize] == wanted)
+                {
+                    keep(&mut keys, distance << 32 | *i as u64);
+                }
+            }
+            false
+        });
+    }
+    for (slot, key) in found.triangles.iter_mut().zip(keys) {
+        if key != u64::MAX {
+            *slot = key as u32;
+            found.count += 1;
+        }
+    }
+    found
+}
+
+/// Visits the texel offsets at Chebyshev distance `r` until `stop` says so; whether it did.
+fn ring_any(r: u32, mut stop: impl FnMut([i32; 2]) -> bool) -> bool {
+    let r = r as i32;
+    (-r..=r).any(|x| stop([x, -r]) || stop([x, r]))
+        || (1 - r..r).any(|y| stop([-r, y]) || stop([r, y]))
+}
+
+/// Keeps the smallest keys in ascending order, one for each triangle.
+fn keep(keys: &mut [u64; MOST], key: u64) {
+    let triangle = key as u32;
+    let present = keys
+        .iter()
+        .position(|k| *k != u64::MAX && *k as u32 == triangle);
+    let mut at = match present {
+        Some(i) if keys[i] <= key => return,
+        Some(i) => i,
+        None if keys[MOST - 1] <= key => return,
+        None => MOST - 1,
+    };
+    while at > 0 && keys[at - 1] > key {
+        keys[at] = keys[at - 1];
+        at -= 1;
+    }
+    keys[at] = key;
+}
+
+/// The texel at an offset: charts and planes end at the border, a cylinder closes in its columns, the octahedral map
+/// continues mirrored beyond each side.
+fn neighbour(line: Line, bits: u32, at: [i32; 2], offset: [i32; 2]) -> Option<u32> {
+    let width = 1i32 << bits;
+    let inside = |x: i32| (0..width).contains(&x);
+    let (mut x, mut y) = (at[0] + offset[0], at[1] + offset[1]);
+    match line {
+        Line::Parallel => {}
+        Line::Cylinder => x &= width - 1,
+        Line::Sphere => {
+            if !inside(x) {
+                (x, y) = (
+                    if x < 0 { -1 - x } else { 2 * width - 1 - x },
+                    width - 1 - y,
+                );
+            }
+            if !inside(y) {
+                (x, y) = (
+                    width - 1 - x,
+                    if y < 0 { -1 - y } else { 2 * width - 1 - y },
+                );
+            }
+        }
+    }
+    (inside(x) && inside(y)).then_some(((y << bits) | x) as u32)
+}
