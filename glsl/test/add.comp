@@ -1,6 +1,7 @@
 #version 460
-// target[i] = a[i] + b[i] + offset for i < count; i runs over all workgroups of x, then of y.
+// sum[i] = scale * (a[i] + b[i]) + offset for i < count.
 layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint scale = 1;
 
 layout(std430, binding = 0) readonly buffer A { uint words[]; } a;
 layout(std430, binding = 1) readonly buffer B { uint words[]; } b;
@@ -10,6 +11,6 @@ layout(push_constant) uniform Push { uint count; uint offset; } push;
 void main() {
     uint i = gl_GlobalInvocationID.x;
     if (i < push.count) {
-        sum.words[i] = a.words[i] + b.words[i] + push.offset;
+        sum.words[i] = scale * (a.words[i] + b.words[i]) + push.offset;
     }
 }

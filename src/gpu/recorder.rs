@@ -413,3 +413,76 @@ impl Drop for Own {
         unsafe { self.context.0.device.destroy_command_pool(self.pool, None) };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::gpu::shaders::test_add::{Bindings, Push, Shader};
+    use crate::gpu::{Context, ContextOptions, DeviceChoice, devices};
+
+    /// Two passes, the second of which reads what the first wrote; what validation says of them.
+    fn messages_of_dependent_passes(device: usize, barriers: bool) -> Vec<String> {
+        let options = ContextOptions {
+            device: DeviceChoice::Index(device),
+            validation: true,
+        };
+        let ctx = Context::new(&options).unwrap();
+        let one = ctx.upload("one", &[1_u32; 64]).unwrap();
+        let (x, y) = (
+            ctx.storage("x", 256).unwrap(),
+            ctx.storage("y", 256).unwrap(),
+        );
+        let pipeline = ctx.compute::<Shader>().unwrap();
+        let first = pipeline
+            .bind(&Bindings {
+                a: &one,
+                b: &one,
+                sum: &x,
+            })
+            .unwrap();
+        let second = pipeline
+            .bind(&Bindings {
+                a: &x,
+                b: &one,
+                sum: &y,
+            })
+            .unwrap();
+        let mut recorder = ctx.recorder("dependent passes").unwrap();
+        recorder.barriers = barriers;
+        recorder.dispatch(
+            &first,
+            &Push {
+                count: 64,
+                offset: 0,
+            },
+            [1, 1, 1],
+        );
+        recorder.dispatch(
+            &second,
+            &Push {
+                count: 64,
+                offset: 0,
+            },
+            [1, 1, 1],
+        );
+        ctx.run(recorder).unwrap();
+        ctx.validation_messages()
+    }
+
+    #[test]
+    fn synchronization_validation_sees_a_missing_barrier() {
+        for device in devices().unwrap().iter().filter(|device| device.usable) {
+            assert_eq!(
+                messages_of_dependent_passes(device.index, true),
+                Vec::<String>::new(),
+                "{}",
+                device.name
+            );
+            let messages = messages_of_dependent_passes(device.index, false);
+            let hazard = messages.iter().any(|message| {
+                message.contains("SYNC-HAZARD-READ-AFTER-WRITE")
+                    || message.contains("SYNC-HAZARD-READ_AFTER_WRITE")
+            });
+            assert!(hazard, "{}: {messages:?}", device.name);
+        }
+    }
+}
