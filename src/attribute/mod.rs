@@ -4,12 +4,14 @@
 //! ([`surface`](self)) and the shaders (`glsl/common/surface.glsl`) read alike, and evaluate to the same bits.
 
 pub(crate) mod arithmetic;
+mod from_scene;
 mod material;
 mod mips;
 pub(crate) mod sample;
 pub(crate) mod surface;
 mod texture;
 
+pub use from_scene::attributes_of;
 pub use material::{Alpha, Material, Slot, SlotBinding};
 pub use surface::AttributeSet;
 pub use texture::{Pixels, Sampler, TextureSet, Wrap};

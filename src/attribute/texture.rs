@@ -92,18 +92,28 @@ impl TextureSet {
         sampler: Sampler,
         pixels: impl FnOnce() -> Result<Pixels<'a>>,
     ) -> Result<u32> {
-        if let Some(&id) = self.known.get(&(image, srgb, sampler)) {
+        if let Some(id) = self.find(image, srgb, sampler) {
             return Ok(id);
         }
-        if !self.chains.contains_key(&(image, srgb)) {
-            let chain = self.append(pixels()?, srgb)?;
-            self.chains.insert((image, srgb), chain);
+        let chain = self.append(pixels()?, srgb)?;
+        self.chains.insert((image, srgb), chain.clone());
+        Ok(self.register(&chain, image, srgb, sampler))
+    }
+
+    /// The id of a texture whose image's mip chain is there already.
+    pub fn find(&mut self, image: usize, srgb: bool, sampler: Sampler) -> Option<u32> {
+        if let Some(&id) = self.known.get(&(image, srgb, sampler)) {
+            return Some(id);
         }
-        let id = (self.records.len() / TEXTURE_WORDS) as u32;
-        let record = record(&self.chains[&(image, srgb)], srgb, sampler);
-        self.records.extend_from_slice(&record);
+        let chain = self.chains.get(&(image, srgb))?.clone();
+        Some(self.register(&chain, image, srgb, sampler))
+    }
+
+    fn register(&mut self, chain: &Chain, image: usize, srgb: bool, sampler: Sampler) -> u32 {
+        let id = self.len() as u32;
+        self.records.extend_from_slice(&record(chain, srgb, sampler));
         self.known.insert((image, srgb, sampler), id);
-        Ok(id)
+        id
     }
 
     /// How many textures there are.

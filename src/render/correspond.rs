@@ -1,24 +1,41 @@
 //! From a drawn triangle to the point of the reference it stands for. Twin of `glsl/render/correspond.glsl`.
+//!
+//! In: the drawn triangle's barycentrics at a pixel and at its two neighbours. Out: a [`SurfacePoint`] with gradients.
+//!
+//! *Identity*: the drawn triangle is the reference's own. *Inverse geometric texture*: T3 is interpolated over the drawn
+//! triangle, brought to the query grid and looked up. Gradients then come from the reference triangle found: the query
+//! points of the neighbouring pixels are projected along their own lines into its plane (the paper's "derivatives in
+//! T3", section 2.5), never looked up, so that they do not jump where the neighbour lies in another triangle.
 
 use super::draw::DrawRecord;
 use super::picture::Picture;
 use super::shade::Drawn;
-use crate::attribute::arithmetic::sub3;
+use crate::attribute::arithmetic::{V3, add3, cross3, dot3, scale3, sub3};
 use crate::attribute::surface::SurfacePoint;
+use crate::igt::layout;
+use crate::param::grid::{QUERY_MAX, QUERY_SHIFT};
+use crate::param::projection::{GridTriangle, Line};
+
+/// [`DrawRecord::correspondence`] of a draw whose triangles are the reference's own.
+pub(crate) const IDENTITY: u32 = 0;
+/// Of a draw whose reference points come from tables.
+pub(crate) const INVERSE: u32 = 1;
+/// Query-grid steps to floats of about one, so that no product of six of them leaves the range of `f32`.
+const UNIT: f32 = 1.0 / 536_870_912.0;
 
 /// What a correspondence answers.
 pub(crate) struct Correspondence {
-    pub point: SurfacePoint,
+    /// None where the tables know no triangle near the point.
+    pub point: Option<SurfacePoint>,
     /// Fetches it took.
     pub fetches: u32,
 }
 
 /// The point of the reference under a pixel.
-pub(crate) fn find(_picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
-    identity(draw, drawn)
+pub(crate) fn find(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
+    if draw.correspondence == IDENTITY { identity(draw, drawn) } else { inverse(picture, draw, drawn) }
 }
 
-/// The drawn triangle is the reference's own.
 fn identity(draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
     let point = SurfacePoint {
         triangle: draw.attribute_base + drawn.local,
@@ -26,5 +43,101 @@ fn identity(draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
         dx: drawn.bx.map(|b| sub3(b, drawn.b)),
         dy: drawn.by.map(|b| sub3(b, drawn.b)),
     };
-    Correspondence { point, fetches: 0 }
+    Correspondence { point: Some(point), fetches: 0 }
+}
+
+fn inverse(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
+    let tables = &picture.tables[draw.igt[0] as usize];
+    let t3 = drawn.vertex.map(|v| picture.t3[v as usize]);
+    let query = query_point(&t3, drawn.b);
+    let layer = (drawn.layer <= 255).then_some(drawn.layer as u8);
+    let Some(found) = tables.lookup(query, layer, true) else {
+        return Correspondence { point: None, fetches: tables.fetches_of_miss(query) };
+    };
+    let words = layout::triangle_words(tables.layout, &tables.primary);
+    let record = &tables.triangle[found.triangle as usize * words..][..words];
+    let (corners, _) = layout::decode_triangle(tables.layout, layout::is_flat(&tables.primary), record);
+    let line = tables.primary.line();
+    let here = projected(line, query, &corners);
+    let moved = |b: Option<[f32; 3]>| Some(sub3(projected(line, query_point(&t3, b?), &corners)?, here?));
+    let point = SurfacePoint {
+        triangle: draw.attribute_base + found.triangle,
+        b: found.barycentric,
+        dx: moved(drawn.bx),
+        dy: moved(drawn.by),
+    };
+    Correspondence { point: Some(point), fetches: found.fetches }
+}
+
+/// T3 at barycentrics `b` of a drawn triangle, on the query grid. Relative to the first vertex, so that the error is
+/// 2^-24 of the triangle, not of the whole domain.
+fn query_point(t3: &[[i32; 4]; 3], b: [f32; 3]) -> [i32; 3] {
+    std::array::from_fn(|k| {
+        let along = |v: usize| ((t3[v][k] - t3[0][k]) << QUERY_SHIFT) as f32;
+        let offset = b[1] * along(1) + b[2] * along(2);
+        let offset = (offset + 0.5).floor().clamp(-1.0e9, 1.0e9) as i32;
+        ((t3[0][k] << QUERY_SHIFT) + offset).clamp(-QUERY_MAX, QUERY_MAX)
+    })
+}
+
+/// Barycentrics, in the plane of `corners`, of the point where the line of `query` meets it; none for a line along it.
+///
+/// With d the line's direction, n the plane's normal and w the query relative to the first corner, the point is
+/// w - d (n.w) / (n.d): differences of nearby points throughout, so neighbours can be subtracted.
+fn projected(line: Line, query: [i32; 3], corners: &GridTriangle) -> Option<[f32; 3]> {
+    let unit = |v: [i32; 3]| v.map(|x| x as f32 * UNIT);
+    let edge = |v: usize| unit(std::array::from_fn(|k| (corners[v][k] - corners[0][k]) << QUERY_SHIFT));
+    let (e1, e2) = (edge(1), edge(2));
+    let w = unit(std::array::from_fn(|k| query[k] - (corners[0][k] << QUERY_SHIFT)));
+    let q = unit(query);
+    let d: V3 = match line {
+        Line::Parallel => [0.0, 0.0, 1.0],
+        Line::Cylinder => [q[0], q[1], 0.0],
+        Line::Sphere => q,
+    };
+    let n = cross3(e1, e2);
+    let (steepness, area) = (dot3(n, d), dot3(n, n));
+    if !(steepness.abs() > 1e-25 && area > 1e-32) {
+        return None;
+    }
+    let along = dot3(n, w) / steepness;
+    let r = add3(w, scale3(d, -along));
+    let b1 = dot3(cross3(r, e2), n) / area;
+    let b2 = dot3(cross3(e1, r), n) / area;
+    Some([1.0 - b1 - b2, b1, b2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_on_the_triangle_projects_to_its_own_barycentrics() {
+        let corners: GridTriangle = [[4_000_000, 100, 3_000_000], [4_010_000, 9_000, 3_000_500], [4_001_000, -7_000, 3_004_000]];
+        let b = [0.2f64, 0.5, 0.3];
+        let p: [f64; 3] = std::array::from_fn(|k| (0..3).map(|i| b[i] * f64::from(corners[i][k])).sum::<f64>());
+        for (line, scale) in [
+            (Line::Sphere, [0.97, 0.97, 0.97]),
+            (Line::Cylinder, [1.02, 1.02, 1.0]),
+            (Line::Parallel, [1.0, 1.0, 0.9]),
+        ] {
+            // Another point of the same projection line.
+            let query = std::array::from_fn(|k| (p[k] * scale[k] * 64.0).round() as i32);
+            let got = projected(line, query, &corners).unwrap();
+            for i in 0..3 {
+                assert!((f64::from(got[i]) - b[i]).abs() < 2e-4, "{line:?} {got:?}");
+            }
+        }
+        let flat: GridTriangle = [[0, 0, 0], [5, 5, 0], [10, 10, 0]];
+        assert!(projected(Line::Parallel, [64, 64, 0], &flat).is_none());
+    }
+
+    #[test]
+    fn query_points_reproduce_corners_and_stay_on_the_grid() {
+        let t3 = [[8_388_607, -8_388_607, 0, 0], [-8_388_607, 8_388_607, 5, 0], [1, 2, 3, 0]];
+        assert_eq!(query_point(&t3, [1.0, 0.0, 0.0]), [8_388_607 << 6, -(8_388_607 << 6), 0]);
+        assert_eq!(query_point(&t3, [0.0, 0.0, 1.0]), [64, 128, 192]);
+        let far = query_point(&t3, [-1e30, 1e30, 1e30]);
+        assert!(far.iter().all(|c| c.abs() <= QUERY_MAX));
+    }
 }

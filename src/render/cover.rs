@@ -120,7 +120,10 @@ impl Edges {
     pub(crate) fn barycentric(&self, sense: i32) -> Option<[f32; 3]> {
         let [a, b, c] = self.weight;
         let sum = a + b + c;
-        (sum * sense as f32 > 1e-30).then(|| [a / sum, b / sum, c / sum])
+        let seen = sum * sense as f32;
+        // Where the plane is seen edge on, barycentrics grow without bound.
+        let bounded = a.abs() + b.abs() + c.abs() < seen * 1e6;
+        (seen > 1e-30 && bounded).then(|| [a / sum, b / sum, c / sum])
     }
 }
 

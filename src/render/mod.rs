@@ -14,17 +14,24 @@ mod camera_file;
 mod constants;
 mod correspond;
 mod cover;
+#[cfg(feature = "gpu")]
+mod device;
 mod draw;
 mod light;
 mod picture;
+mod plain;
 mod project;
 mod raster;
 mod renderer;
+mod resolve;
 mod shade;
+mod skin;
+mod stage;
 
 pub use camera::{Camera, MAX_SIDE, Projection};
 pub use camera_file::{View, parse_views};
 pub use constants::legend;
 pub use draw::Light;
 pub use picture::{Geometry, Picture};
+pub use stage::{Correspond, Subject, stage};
 pub use renderer::{Options, Output, Rendered, Renderer};

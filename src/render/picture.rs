@@ -5,9 +5,12 @@
 
 use super::constants::constants;
 use super::draw::DrawRecord;
+use super::correspond::{IDENTITY, INVERSE};
 use crate::attribute::AttributeSet;
+use crate::igt::Tables;
 use crate::{Error, Result};
 use glam::{DMat3, DMat4};
+use std::sync::Arc;
 
 /// A geometry of a picture: where its arrays lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +34,8 @@ pub struct Picture {
     pub(crate) draws: Vec<DrawRecord>,
     /// What can be fetched of the references.
     pub(crate) attributes: AttributeSet,
+    /// Inverse geometric textures of the references that have one.
+    pub(crate) tables: Vec<Arc<Tables>>,
     /// See [`super::constants`].
     pub(crate) constants: Vec<f32>,
     triangles: u32,
@@ -46,6 +51,7 @@ impl Picture {
             corners: Vec::new(),
             draws: Vec::new(),
             attributes,
+            tables: Vec::new(),
             constants: constants(),
             triangles: 0,
             vertices: 0,
@@ -88,8 +94,15 @@ impl Picture {
         Ok(geometry)
     }
 
-    /// Draws a geometry. `attribute_base` is the number of its reference's first triangle in the attributes.
-    pub fn draw(&mut self, geometry: Geometry, attribute_base: u32, world: DMat4) -> Result<()> {
+    /// Adds the tables of a reference; returns their number.
+    pub fn add_tables(&mut self, tables: Arc<Tables>) -> u32 {
+        self.tables.push(tables);
+        (self.tables.len() - 1) as u32
+    }
+
+    /// Draws a geometry. `attribute_base` is the number of its reference's first triangle in the attributes; `tables`
+    /// the number of its inverse geometric texture, none for a geometry whose triangles are the reference's own.
+    pub fn draw(&mut self, geometry: Geometry, attribute_base: u32, tables: Option<u32>, world: DMat4) -> Result<()> {
         if geometry.triangle_count == 0 {
             return Ok(());
         }
@@ -101,9 +114,11 @@ impl Picture {
             vertex_base: geometry.vertex_base,
             vertex_count: geometry.vertex_count,
             attribute_base,
+            correspondence: if tables.is_some() { INVERSE } else { IDENTITY },
             ..DrawRecord::default()
         };
         (record.world, record.normal) = transforms(world)?;
+        record.igt[0] = tables.unwrap_or(0);
         let triangles = self.triangles as usize + geometry.triangle_count as usize;
         self.triangles = within("drawn triangles", triangles, 0)?;
         self.vertices = within(

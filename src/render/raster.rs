@@ -1,7 +1,8 @@
 //! Pass *raster*: which triangle each pixel shows. Twin of `glsl/render/raster.vert` and `raster.frag`.
 //!
 //! In: projected vertices and the draws. Out: for each pixel the number of the nearest triangle in the picture, the
-//! first of equals. The CPU walks bands of rows on all cores, each band all triangles in order.
+//! last of equals (as the depth test LESS_OR_EQUAL has it). The CPU walks bands of rows on all cores, each band all
+//! triangles in order.
 
 use super::cover::{bounds, depth, edges};
 use super::draw::{DrawRecord, Projected, ViewConstants};
@@ -50,7 +51,7 @@ fn test(corner: &[Projected; 3], x: i32, y: i32, id: u32, nearest: &mut f32, own
         return;
     }
     if let Some(depth) = edges.barycentric(sense).and_then(|b| depth(corner, b))
-        && depth < *nearest
+        && depth <= *nearest
     {
         (*nearest, *owner) = (depth, id);
     }

@@ -1,14 +1,18 @@
 //! The renderer: a picture made ready once, drawn from many cameras.
 
 use super::camera::Camera;
+#[cfg(feature = "gpu")]
+use super::device::Device;
 use super::draw::{Light, ViewConstants};
 use super::picture::Picture;
 use super::shade::{
     Aov, FETCHES_SHIFT, FLAG_WIREFRAME, NOTHING, OUTPUT_FETCHES, OUTPUT_LIT, OUTPUT_NORMALS,
     OUTPUT_UNLIT, Pixel,
 };
-use super::{project, raster, shade};
+use super::{project, raster, resolve, shade};
 use crate::Result;
+#[cfg(feature = "gpu")]
+use crate::gpu;
 
 /// What is written into the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,17 +80,32 @@ pub struct Rendered {
     pub covered_pixels: u64,
     /// Mean fetches over covered pixels.
     pub mean_fetches: f64,
+    /// Duration of each pass in nanoseconds (of the first sample).
+    pub passes: Vec<(String, u64)>,
 }
 
 /// A picture made ready for drawing.
 pub struct Renderer {
     picture: Picture,
+    #[cfg(feature = "gpu")]
+    device: Option<Device>,
 }
 
 impl Renderer {
     /// Draws on the CPU.
     pub fn cpu(picture: Picture) -> Self {
-        Renderer { picture }
+        Renderer {
+            picture,
+            #[cfg(feature = "gpu")]
+            device: None,
+        }
+    }
+
+    /// Draws on a device; uploads the picture.
+    #[cfg(feature = "gpu")]
+    pub fn on(context: &gpu::Context, picture: Picture) -> Result<Self> {
+        let device = Device::new(context, &picture)?;
+        Ok(Renderer { picture, device: Some(device) })
     }
 
     /// The picture.
@@ -96,17 +115,36 @@ impl Renderer {
 
     /// One image.
     pub fn draw(&self, camera: &Camera, options: &Options) -> Result<Rendered> {
-        let view = ViewConstants::new(camera, &options.light, flags(options));
-        let projected = project::cpu(&self.picture.positions, &self.picture.draws, &view);
-        let ids = raster::cpu(
-            &self.picture.corners,
-            &self.picture.draws,
-            &view,
-            &projected,
-        );
-        let pixels = shade::cpu(&self.picture, &view, &projected, &ids);
-        Ok(assemble(camera, &pixels))
+        let factor = resolve::factor(options.samples)?;
+        let fine = camera.scaled(factor)?;
+        let view = ViewConstants::new(&fine, &options.light, flags(options));
+        let (pixels, passes) = self.pixels(&view)?;
+        let coded = matches!(options.output, Output::Normals | Output::Fetches);
+        let pixels = if factor == 1 { pixels } else { resolve::average(&pixels, camera, factor, coded) };
+        let mut out = assemble(camera, pixels);
+        out.passes = passes;
+        Ok(out)
     }
+
+    fn pixels(&self, view: &ViewConstants) -> Result<(Vec<Pixel>, Vec<(String, u64)>)> {
+        #[cfg(feature = "gpu")]
+        if let Some(device) = &self.device {
+            let (pixels, timings) = device.draw(view)?;
+            return Ok((pixels, timings.passes.into_iter().map(|p| (p.name, p.nanoseconds)).collect()));
+        }
+        let mut passes = Vec::new();
+        let projected = timed(&mut passes, "project", || project::cpu(&self.picture.positions, &self.picture.draws, view));
+        let ids = timed(&mut passes, "raster", || raster::cpu(&self.picture.corners, &self.picture.draws, view, &projected));
+        let pixels = timed(&mut passes, "shade", || shade::cpu(&self.picture, view, &projected, &ids));
+        Ok((pixels, passes))
+    }
+}
+
+fn timed<T>(passes: &mut Vec<(String, u64)>, name: &str, work: impl FnOnce() -> T) -> T {
+    let start = std::time::Instant::now();
+    let out = work();
+    passes.push((format!("render_{name}"), start.elapsed().as_nanos() as u64));
+    out
 }
 
 fn flags(options: &Options) -> u32 {
@@ -121,7 +159,7 @@ fn flags(options: &Options) -> u32 {
         | (options.fetches_top.min(0xff_ffff) << FETCHES_SHIFT)
 }
 
-fn assemble(camera: &Camera, pixels: &[Pixel]) -> Rendered {
+fn assemble(camera: &Camera, pixels: Vec<Pixel>) -> Rendered {
     let mut out = Rendered {
         width: camera.width,
         height: camera.height,
@@ -129,8 +167,8 @@ fn assemble(camera: &Camera, pixels: &[Pixel]) -> Rendered {
     };
     for Pixel { linear, rgba8, aov } in pixels {
         out.rgba8.extend(rgba8.to_le_bytes());
-        out.linear.push(*linear);
-        push_aov(&mut out, aov);
+        out.linear.push(linear);
+        push_aov(&mut out, &aov);
     }
     let fetches: u64 = out.fetches.iter().map(|&f| u64::from(f)).sum();
     out.mean_fetches = fetches as f64 / out.covered_pixels.max(1) as f64;
@@ -143,5 +181,5 @@ fn push_aov(out: &mut Rendered, aov: &Aov) {
     out.barycentric.push(aov.barycentric);
     out.fetches.push(aov.fetches);
     out.depth.push(aov.depth);
-    out.covered_pixels += u64::from(aov.triangle != NOTHING);
+    out.covered_pixels += u64::from(aov.draw != NOTHING);
 }

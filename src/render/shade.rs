@@ -12,7 +12,7 @@ use super::light::{lit, split, towards_eye};
 use super::picture::Picture;
 use super::project::affine;
 use crate::attribute::arithmetic::{V3, srgb_encode, unit_encode};
-use crate::attribute::surface::Frame;
+use crate::attribute::surface::{Frame, Surface};
 use rayon::prelude::*;
 
 /// Id of a pixel that no triangle covers.
@@ -32,7 +32,7 @@ pub(crate) const FETCHES_SHIFT: u32 = 8;
 /// Colour of wireframe lines, linear.
 const LINE: V3 = [0.004, 0.006, 0.012];
 
-/// One pixel of the result. 24 bytes of AOVs follow the shader's layout.
+/// One pixel of the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pixel {
     pub linear: [f32; 4],
@@ -56,7 +56,8 @@ pub(crate) struct Aov {
     pub depth: f32,
 }
 
-const EMPTY: Pixel = Pixel {
+/// A pixel that nothing covers.
+pub(crate) const EMPTY: Pixel = Pixel {
     linear: [0.0; 4],
     rgba8: 0,
     aov: Aov {
@@ -66,6 +67,18 @@ const EMPTY: Pixel = Pixel {
         fetches: 0,
         depth: 1.0,
     },
+};
+
+/// A drawn point that the tables know no reference point for: mid grey.
+const UNKNOWN: Surface = Surface {
+    base: [0.2, 0.2, 0.2, 1.0],
+    normal: [0.0, 0.0, 1.0],
+    emissive: [0.0; 3],
+    metallic: 0.0,
+    roughness: 1.0,
+    occlusion: 1.0,
+    masked: false,
+    unlit: true,
 };
 
 /// All pixels, row by row.
@@ -129,13 +142,9 @@ fn shade(
         },
         &found,
     );
-    let aov = Aov {
-        triangle: found.point.triangle - draw.attribute_base,
-        draw: draw_index as u32,
-        barycentric: [found.point.b[1], found.point.b[2]],
-        fetches: found.fetches,
-        depth,
-    };
+    let (triangle, barycentric) =
+        found.point.map_or((NOTHING, [0.0; 2]), |p| (p.triangle - draw.attribute_base, [p.b[1], p.b[2]]));
+    let aov = Aov { triangle, draw: draw_index as u32, barycentric, fetches: found.fetches, depth };
     Pixel { linear, rgba8, aov }
 }
 
@@ -177,7 +186,7 @@ fn colour(
         world: &draw.world,
         normal: &draw.normal,
     };
-    let mut surface = picture.attributes.surface(constants, &found.point, &frame);
+    let mut surface = found.point.map_or(UNKNOWN, |p| picture.attributes.surface(constants, &p, &frame));
     if surface.masked {
         return ([0.0; 4], 0);
     }

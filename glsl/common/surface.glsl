@@ -1,0 +1,128 @@
+// What can be fetched at a point of the reference surface. Twin of src/attribute/surface.rs (records of materials:
+// src/attribute/material.rs). The includer defines, besides what texture.glsl asks for:
+//   uvec4 igt_attribute_triangle(uint i)   word offsets of three vertices, and the material
+//   float igt_attribute_float(uint i)      a word of the vertices
+//   uint  igt_material_word(uint i)        a word of the material records
+#ifndef IGT_SURFACE
+#define IGT_SURFACE
+#include "common/texture.glsl"
+
+const uint IGT_MATERIAL_WORDS = 64u;
+const uint IGT_SLOTS_AT = 16u;
+const uint IGT_SLOT_WORDS = 8u;
+const uint IGT_NO_TEXTURE = 0xffffffffu;
+const float IGT_STEEP = 1e6;
+
+// A point of the reference and how its barycentrics change to the next pixel in x and in y, where that has a meaning.
+struct IgtSurfacePoint {
+    uint triangle;
+    vec3 b;
+    vec3 dx;
+    vec3 dy;
+    bool has_dx;
+    bool has_dy;
+};
+
+struct IgtSurface {
+    vec4 base;
+    vec3 normal;
+    vec3 emissive;
+    float metallic;
+    float roughness;
+    float occlusion;
+    bool masked;
+    bool unlit;
+};
+
+float igt_weighted(uvec4 corner, uint word, vec3 b) {
+    precise float r = b.x * igt_attribute_float(corner.x + word) + b.y * igt_attribute_float(corner.y + word) +
+                      b.z * igt_attribute_float(corner.z + word);
+    return r;
+}
+
+vec3 igt_weighted3(uvec4 corner, uint word, vec3 b) {
+    return vec3(igt_weighted(corner, word, b), igt_weighted(corner, word + 1u, b), igt_weighted(corner, word + 2u, b));
+}
+
+float igt_material_float(uint at) {
+    return uintBitsToFloat(igt_material_word(at));
+}
+
+// Uv of a texture slot and its gradients.
+IgtUvGradient igt_slot_uv(uvec4 corner, uint at, IgtSurfacePoint p) {
+    uint word = igt_material_word(at + 1u);
+    vec4 m = vec4(igt_material_float(at + 2u), igt_material_float(at + 3u), igt_material_float(at + 4u), igt_material_float(at + 5u));
+    vec2 shift = vec2(igt_material_float(at + 6u), igt_material_float(at + 7u));
+    vec2 c = vec2(igt_weighted(corner, word, p.b), igt_weighted(corner, word + 1u, p.b));
+    vec2 cx = vec2(igt_weighted(corner, word, p.dx), igt_weighted(corner, word + 1u, p.dx));
+    vec2 cy = vec2(igt_weighted(corner, word, p.dy), igt_weighted(corner, word + 1u, p.dy));
+    precise vec2 uv = vec2(m.x * c.x + m.y * c.y + shift.x, m.z * c.x + m.w * c.y + shift.y);
+    precise vec2 dx = vec2(m.x * cx.x + m.y * cx.y, m.z * cx.x + m.w * cx.y);
+    precise vec2 dy = vec2(m.x * cy.x + m.y * cy.y, m.z * cy.x + m.w * cy.y);
+    return IgtUvGradient(uv, p.has_dx ? dx : vec2(IGT_STEEP), p.has_dy ? dy : vec2(IGT_STEEP));
+}
+
+// The texture of slot `slot`, or `missing` where there is none.
+vec4 igt_slot(uvec4 corner, uint slot, IgtSurfacePoint p, vec4 missing) {
+    uint at = corner.w * IGT_MATERIAL_WORDS + IGT_SLOTS_AT + slot * IGT_SLOT_WORDS;
+    uint id = igt_material_word(at);
+    if (id == IGT_NO_TEXTURE) {
+        return missing;
+    }
+    return igt_sample(id, igt_slot_uv(corner, at, p));
+}
+
+// Two-level normal: the reference's interpolated one, tilted by the artist's map in the reference's tangent frame.
+vec3 igt_two_level_normal(uvec4 corner, IgtSurfacePoint p, vec4 world[3], vec4 normal[3]) {
+    vec3 object = igt_weighted3(corner, 0u, p.b);
+    vec3 n = igt_unit3(vec3(igt_dot3(normal[0].xyz, object), igt_dot3(normal[1].xyz, object), igt_dot3(normal[2].xyz, object)),
+                       vec3(0.0, 0.0, 1.0));
+    uint slot = corner.w * IGT_MATERIAL_WORDS + IGT_SLOTS_AT + 2u * IGT_SLOT_WORDS;
+    if (igt_material_word(slot) == IGT_NO_TEXTURE) {
+        return n;
+    }
+    object = igt_weighted3(corner, 3u, p.b);
+    vec3 t = vec3(igt_dot3(world[0].xyz, object), igt_dot3(world[1].xyz, object), igt_dot3(world[2].xyz, object));
+    if (!(igt_dot3(t, t) > 1e-30)) {
+        return n;
+    }
+    vec4 texel = igt_slot(corner, 2u, p, vec4(0.5, 0.5, 1.0, 1.0));
+    float scale = igt_material_float(corner.w * IGT_MATERIAL_WORDS + 9u);
+    t = igt_unit3(t, vec3(1.0, 0.0, 0.0));
+    precise float side = igt_attribute_float(corner.x + 6u) * normal[0].w;
+    precise vec3 bitangent = igt_cross3(n, t) * side;
+    precise float x = (texel.x * 2.0 - 1.0) * scale;
+    precise float y = (texel.y * 2.0 - 1.0) * scale;
+    precise float z = texel.z * 2.0 - 1.0;
+    precise vec3 tilted = (t * x + bitangent * y) + n * z;
+    return igt_unit3(tilted, n);
+}
+
+// Everything the material says at p.
+IgtSurface igt_surface(IgtSurfacePoint p, vec4 world[3], vec4 normal[3]) {
+    uvec4 corner = igt_attribute_triangle(p.triangle);
+    uint m = corner.w * IGT_MATERIAL_WORDS;
+    vec4 texel = igt_slot(corner, 0u, p, vec4(1.0));
+    vec4 color = vec4(igt_weighted3(corner, 7u, p.b), igt_weighted(corner, 10u, p.b));
+    vec4 factor = vec4(igt_material_float(m), igt_material_float(m + 1u), igt_material_float(m + 2u), igt_material_float(m + 3u));
+    precise vec4 base = texel * factor * color;
+    vec4 orm = igt_slot(corner, 1u, p, vec4(1.0));
+    float occluded = igt_slot(corner, 3u, p, vec4(1.0)).x;
+    vec3 glow = igt_slot(corner, 4u, p, vec4(1.0)).xyz;
+    precise vec3 emissive = vec3(igt_material_float(m + 4u), igt_material_float(m + 5u), igt_material_float(m + 6u)) * glow;
+    precise float metallic = orm.z * igt_material_float(m + 7u);
+    precise float roughness = orm.y * igt_material_float(m + 8u);
+    precise float occlusion = 1.0 + igt_material_float(m + 10u) * (occluded - 1.0);
+    IgtSurface s;
+    s.base = base;
+    s.normal = igt_two_level_normal(corner, p, world, normal);
+    s.emissive = emissive;
+    s.metallic = metallic;
+    s.roughness = roughness;
+    s.occlusion = occlusion;
+    s.masked = igt_material_word(m + 12u) == 1u && base.w < igt_material_float(m + 11u);
+    s.unlit = igt_material_word(m + 13u) != 0u;
+    return s;
+}
+
+#endif

@@ -1,0 +1,44 @@
+// Pass raster: six vertices for each triangle, the rectangle of pixels it may cover. Its corners lie on pixel corners,
+// half a pixel from every centre, so no driver's sub-pixel rules can matter; raster.frag decides what is covered.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "render/cover.glsl"
+
+layout(std430, binding = 0) readonly buffer Draws { DrawRecord records[]; } draws;
+layout(std430, binding = 1) readonly buffer Corners { uvec4 triangles[]; } corners;
+layout(std430, binding = 2) readonly buffer ProjectedVertices { Projected vertices[]; } projected;
+
+layout(location = 0) flat out uvec4 triangle;
+
+uint draw_of_triangle(uint id) {
+    uint low = 0u;
+    uint high = view.draw_count - 1u;
+    while (low < high) {
+        uint middle = (low + high + 1u) / 2u;
+        if (draws.records[middle].first_triangle <= id) {
+            low = middle;
+        } else {
+            high = middle - 1u;
+        }
+    }
+    return low;
+}
+
+void main() {
+    uint id = uint(gl_VertexIndex) / 6u;
+    uint corner = uint(gl_VertexIndex) - id * 6u;
+    uint draw = draw_of_triangle(id);
+    uint shift = draws.records[draw].projected_base - draws.records[draw].vertex_base;
+    uvec3 v = corners.triangles[draws.records[draw].corner_base + id - draws.records[draw].first_triangle].xyz + shift;
+    triangle = uvec4(v, id);
+    ivec4 box;
+    if (!bounds_of(projected.vertices[v.x], projected.vertices[v.y], projected.vertices[v.z], box)) {
+        gl_Position = vec4(-2.0, -2.0, 0.0, 1.0);
+        return;
+    }
+    bool right = corner == 1u || corner == 2u || corner == 4u;
+    bool bottom = corner == 2u || corner == 4u || corner == 5u;
+    precise float x = float(right ? box.y + 1 : box.x) * 2.0 / float(int(view.width)) - 1.0;
+    precise float y = float(bottom ? box.w + 1 : box.z) * 2.0 / float(int(view.height)) - 1.0;
+    gl_Position = vec4(x, y, 0.0, 1.0);
+}

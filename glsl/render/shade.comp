@@ -1,0 +1,226 @@
+// Pass shade: from triangle ids to colours. Twin of src/render/shade.rs.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "render/cover.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(std430, binding = 0) readonly buffer Draws { DrawRecord records[]; } draws;
+layout(std430, binding = 1) readonly buffer Corners { uvec4 triangles[]; } corners;
+layout(std430, binding = 2) readonly buffer ProjectedVertices { Projected vertices[]; } projected;
+layout(std430, binding = 3) readonly buffer Positions { float words[]; } positions;
+layout(std430, binding = 4) readonly buffer Constants { float words[]; } constants;
+layout(std430, binding = 5) readonly buffer AttributeTriangles { uvec4 triangles[]; } attribute_triangles;
+layout(std430, binding = 6) readonly buffer AttributeVertices { float words[]; } attribute_vertices;
+layout(std430, binding = 7) readonly buffer Materials { uint words[]; } materials;
+layout(std430, binding = 8) readonly buffer Textures { uint words[]; } textures;
+layout(std430, binding = 9) readonly buffer Texels0 { uint words[]; } texels_0;
+layout(std430, binding = 10) readonly buffer Texels1 { uint words[]; } texels_1;
+layout(std430, binding = 11) readonly buffer Texels2 { uint words[]; } texels_2;
+layout(std430, binding = 12) readonly buffer Texels3 { uint words[]; } texels_3;
+layout(std430, binding = 13) writeonly buffer Colour { uint words[]; } colour;
+layout(std430, binding = 14) writeonly buffer Linear { vec4 pixels[]; } linear;
+layout(std430, binding = 15) writeonly buffer Aov { uint words[]; } aov;
+layout(binding = 16, r32ui) uniform readonly uimage2D ids;
+
+uint igt_texture_word(uint i) { return textures.words[i]; }
+float igt_srgb_decoded(uint code) { return constants.words[code]; }
+uvec4 igt_attribute_triangle(uint i) { return attribute_triangles.triangles[i]; }
+float igt_attribute_float(uint i) { return attribute_vertices.words[i]; }
+uint igt_material_word(uint i) { return materials.words[i]; }
+
+// A texel's address says its shard; no shard is larger than 128 MiB.
+uint igt_texel_word(uint address) {
+    uint at = address & 0x1ffffffu;
+    switch (address >> 25) {
+        case 0u: return texels_0.words[at];
+        case 1u: return texels_1.words[at];
+        case 2u: return texels_2.words[at];
+        default: return texels_3.words[at];
+    }
+}
+
+#include "render/light.glsl"
+#include "render/correspond.glsl"
+
+const uint NOTHING = 0xffffffffu;
+const uint THRESHOLDS_AT = 256u;
+const uint PALETTE_AT = 512u;
+const int PALETTE_STOPS = 17;
+const uint OUTPUT_LIT = 0u;
+const uint OUTPUT_NORMALS = 2u;
+const uint OUTPUT_FETCHES = 3u;
+const uint FLAG_WIREFRAME = 4u;
+const vec3 LINE = vec3(0.004, 0.006, 0.012);
+
+uint draw_of_triangle(uint id) {
+    uint low = 0u;
+    uint high = view.draw_count - 1u;
+    while (low < high) {
+        uint middle = (low + high + 1u) / 2u;
+        if (draws.records[middle].first_triangle <= id) {
+            low = middle;
+        } else {
+            high = middle - 1u;
+        }
+    }
+    return low;
+}
+
+// The 8-bit sRGB code of a linear value: how many thresholds it reaches.
+uint srgb_encode(float value) {
+    uint code = 0u;
+    for (uint step = 128u; step > 0u; step >>= 1) {
+        if (value >= constants.words[THRESHOLDS_AT + code + step]) {
+            code += step;
+        }
+    }
+    return code;
+}
+
+float palette_blend(uint at, float f) {
+    precise float r = constants.words[at] * (1.0 - f) + constants.words[at + 3u] * f;
+    return r;
+}
+
+vec3 palette(float t) {
+    precise float x = min(max(t, 0.0), 1.0) * float(PALETTE_STOPS - 1);
+    float low = min(floor(x), float(PALETTE_STOPS - 2));
+    precise float f = x - low;
+    uint at = PALETTE_AT + 3u * uint(int(low));
+    return vec3(palette_blend(at, f), palette_blend(at + 1u, f), palette_blend(at + 2u, f));
+}
+
+float wire_edge(float value, float doubled_area, vec2 direction) {
+    precise float squared = direction.x * direction.x + direction.y * direction.y;
+    precise float length16 = max(sqrt(squared), 1e-6) * 16.0;
+    precise float distance = abs(value) / length16;
+    precise float height = doubled_area / length16;
+    precise float fade = (height - 1.0) * 0.25;
+    precise float inside = 1.1 - distance;
+    precise float line = min(max(inside, 0.0), 1.0) * min(max(fade, 0.15), 1.0);
+    return line;
+}
+
+// How much of a pixel the lines along the drawn triangle's edges cover.
+float wire(Edges e) {
+    precise float doubled_area = abs(e.value.x + e.value.y + e.value.z);
+    float line = max(wire_edge(e.value.x, doubled_area, e.step0), wire_edge(e.value.y, doubled_area, e.step1));
+    precise float r = max(line, wire_edge(e.value.z, doubled_area, e.step2)) * 0.85;
+    return r;
+}
+
+vec3 position_of(uint v) {
+    return vec3(positions.words[v * 3u], positions.words[v * 3u + 1u], positions.words[v * 3u + 2u]);
+}
+
+vec3 world_position(uint draw, uvec3 vertex, vec3 b) {
+    precise vec3 p = b.x * position_of(vertex.x) + b.y * position_of(vertex.y) + b.z * position_of(vertex.z);
+    return vec3(affine(draws.records[draw].world[0], p), affine(draws.records[draw].world[1], p),
+                affine(draws.records[draw].world[2], p));
+}
+
+void write(uint pixel, vec4 value, uint code, uint triangle, uint draw, vec2 b, uint fetches, float depth) {
+    colour.words[pixel] = code;
+    linear.pixels[pixel] = value;
+    aov.words[pixel * 6u] = triangle;
+    aov.words[pixel * 6u + 1u] = draw;
+    aov.words[pixel * 6u + 2u] = floatBitsToUint(b.x);
+    aov.words[pixel * 6u + 3u] = floatBitsToUint(b.y);
+    aov.words[pixel * 6u + 4u] = fetches;
+    aov.words[pixel * 6u + 5u] = floatBitsToUint(depth);
+}
+
+// A drawn point that the tables know no reference point for: mid grey.
+IgtSurface unknown_surface() {
+    IgtSurface s;
+    s.base = vec4(0.2, 0.2, 0.2, 1.0);
+    s.normal = vec3(0.0, 0.0, 1.0);
+    s.emissive = vec3(0.0);
+    s.metallic = 0.0;
+    s.roughness = 1.0;
+    s.occlusion = 1.0;
+    s.masked = false;
+    s.unlit = true;
+    return s;
+}
+
+// Light leaving the surface, linear.
+vec3 radiance(IgtSurface surface, uint draw, uvec3 vertex, vec3 b) {
+    if ((view.flags & 3u) != OUTPUT_LIT || surface.unlit) {
+        return surface.base.xyz;
+    }
+    precise float intensity = sqrt(igt_dot3(view.light.xyz, view.light.xyz));
+    vec3 toward = igt_unit3(view.light.xyz, vec3(0.0, 1.0, 0.0));
+    vec3 eye = towards_eye(view.eye, world_position(draw, vertex, b));
+    return lit(surface, eye, toward, intensity, view.light.w);
+}
+
+void main() {
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (at.x >= int(view.width) || at.y >= int(view.height)) {
+        return;
+    }
+    uint pixel = uint(at.y) * view.width + uint(at.x);
+    uint id = imageLoad(ids, at).x;
+    if (id == NOTHING) {
+        write(pixel, vec4(0.0), 0u, NOTHING, NOTHING, vec2(0.0), 0u, 1.0);
+        return;
+    }
+    uint draw = draw_of_triangle(id);
+    uint local = id - draws.records[draw].first_triangle;
+    uvec4 corner = corners.triangles[draws.records[draw].corner_base + local];
+    uvec3 seen = corner.xyz - draws.records[draw].vertex_base + draws.records[draw].projected_base;
+    Projected v0 = projected.vertices[seen.x];
+    Projected v1 = projected.vertices[seen.y];
+    Projected v2 = projected.vertices[seen.z];
+    Edges here = edges_at(v0, v1, v2, at.x, at.y);
+    int sense = covers(here);
+    Drawn drawn;
+    if (!barycentric_of(here, sense, drawn.b)) {
+        write(pixel, vec4(0.0), 0u, NOTHING, NOTHING, vec2(0.0), 0u, 1.0);
+        return;
+    }
+    drawn.has_bx = barycentric_of(edges_at(v0, v1, v2, at.x + 1, at.y), sense, drawn.bx);
+    drawn.has_by = barycentric_of(edges_at(v0, v1, v2, at.x, at.y + 1), sense, drawn.by);
+    drawn.local = local;
+    drawn.vertex = corner.xyz;
+    drawn.layer = corner.w;
+    Correspondence found = correspond(draw, drawn);
+    float depth = depth_at(v0, v1, v2, drawn.b);
+    uint triangle = NOTHING;
+    vec2 b = vec2(0.0);
+    IgtSurface surface = unknown_surface();
+    if (found.known) {
+        triangle = found.point.triangle - draws.records[draw].attribute_base;
+        b = found.point.b.yz;
+        surface = igt_surface(found.point, draws.records[draw].world, draws.records[draw].normal);
+    }
+    if (surface.masked) {
+        write(pixel, vec4(0.0), 0u, triangle, draw, b, found.fetches, depth);
+        return;
+    }
+    precise float turned = float(sense) * draws.records[draw].normal[0].w;
+    if (turned > 0.0) {
+        surface.normal = -surface.normal;
+    }
+    uint kind = view.flags & 3u;
+    if (kind == OUTPUT_NORMALS || kind == OUTPUT_FETCHES) {
+        precise vec3 rgb;
+        if (kind == OUTPUT_NORMALS) {
+            rgb = surface.normal * 0.5 + vec3(0.5);
+        } else {
+            precise float t = float(int(found.fetches)) / max(float(int(view.flags >> 8)), 1.0);
+            rgb = palette(t);
+        }
+        uint code = igt_unit_encode(rgb.x) | (igt_unit_encode(rgb.y) << 8) | (igt_unit_encode(rgb.z) << 16) | 0xff000000u;
+        write(pixel, vec4(rgb, 1.0), code, triangle, draw, b, found.fetches, depth);
+        return;
+    }
+    precise vec3 rgb = radiance(surface, draw, drawn.vertex, drawn.b);
+    if ((view.flags & FLAG_WIREFRAME) != 0u) {
+        float line = wire(here);
+        rgb = rgb * (1.0 - line) + LINE * line;
+    }
+    uint code = srgb_encode(rgb.x) | (srgb_encode(rgb.y) << 8) | (srgb_encode(rgb.z) << 16) | 0xff000000u;
+    write(pixel, vec4(rgb, 1.0), code, triangle, draw, b, found.fetches, depth);
+}

@@ -1,0 +1,107 @@
+//! Materials and textures of a scene as an [`AttributeSet`].
+//!
+//! In: a [`Scene`], and whether pictures of it will be lit. Out: a set with all materials and no mesh yet; only textures
+//! that the shading reads are decoded. An image that cannot be decoded is replaced by a neutral texel, with a warning.
+
+use super::material::{Alpha, Material, Slot, SlotBinding};
+use super::surface::AttributeSet;
+use super::texture::{Pixels, Sampler, TextureSet, Wrap};
+use crate::Result;
+use crate::scene::{self, AlphaMode, Mipmap, Scene, TextureRef, TextureUse};
+
+/// Stand-in numbers of "no image", one for each [`TextureUse`]: beyond any index of a scene.
+const NEUTRAL: usize = usize::MAX - 1;
+
+/// The materials of `scene` and what was replaced on the way. `lit`: whether more than base colour is needed.
+///
+/// # Errors
+/// [`Error::Capacity`](crate::Error::Capacity) where the textures exceed 512 MiB with their mip levels.
+pub fn attributes_of(scene: &Scene, lit: bool) -> Result<(AttributeSet, Vec<String>)> {
+    let mut reading = Reading { scene, textures: TextureSet::default(), warnings: Vec::new() };
+    let materials = scene.materials.iter().map(|m| reading.material(m, lit)).collect::<Result<Vec<_>>>()?;
+    let uv_sets = scene.meshes.iter().map(|m| m.uv_sets.len()).max().unwrap_or(0);
+    let Reading { textures, warnings, .. } = reading;
+    Ok((AttributeSet::new(textures, &materials, uv_sets.max(1)), warnings))
+}
+
+struct Reading<'a> {
+    scene: &'a Scene,
+    textures: TextureSet,
+    warnings: Vec<String>,
+}
+
+impl Reading<'_> {
+    fn material(&mut self, m: &scene::Material, lit: bool) -> Result<Material> {
+        let lit = lit && !m.unlit;
+        let used = [
+            (Slot::BaseColor, m.base_color_texture, true),
+            (Slot::MetallicRoughness, m.metallic_roughness_texture, lit),
+            (Slot::Normal, m.normal_texture, lit),
+            (Slot::Occlusion, m.occlusion_texture, lit),
+            (Slot::Emissive, m.emissive_texture, lit),
+        ];
+        let mut slots = [None; 5];
+        for (slot, texture, wanted) in used {
+            if let Some(texture) = texture.filter(|_| wanted) {
+                slots[slot as usize] = Some(self.binding(slot, &texture)?);
+            }
+        }
+        Ok(Material {
+            base_color: m.base_color,
+            emissive: m.emissive,
+            metallic: m.metallic,
+            roughness: m.roughness,
+            normal_scale: m.normal_scale,
+            occlusion_strength: m.occlusion_strength,
+            alpha_cutoff: m.alpha_cutoff,
+            alpha: match m.alpha {
+                AlphaMode::Opaque => Alpha::Opaque,
+                AlphaMode::Mask => Alpha::Mask,
+                AlphaMode::Blend => Alpha::Blend,
+            },
+            unlit: m.unlit,
+            slots,
+        })
+    }
+
+    fn binding(&mut self, slot: Slot, reference: &TextureRef) -> Result<SlotBinding> {
+        let texture = &self.scene.textures[reference.texture];
+        let sampler = sampler(&self.scene.sampler_of(texture));
+        let srgb = matches!(slot, Slot::BaseColor | Slot::Emissive);
+        let texture_use = if slot == Slot::Normal { TextureUse::Normal } else { TextureUse::Factor };
+        let id = match texture.image {
+            Some(image) => self.image(image, srgb, sampler, texture_use)?,
+            None => {
+                let texel: &[u8] = if slot == Slot::Normal { &[128, 128, 255, 255] } else { &[255; 4] };
+                let number = NEUTRAL - usize::from(slot == Slot::Normal);
+                self.textures.add(number, srgb, sampler, || Ok(Pixels { width: 1, height: 1, rgba: texel }))?
+            }
+        };
+        let uv_set = u32::try_from(reference.uv_set).unwrap_or(u32::MAX);
+        Ok(SlotBinding { texture: id, uv_set, transform: reference.transform.rows() })
+    }
+
+    fn image(&mut self, image: usize, srgb: bool, sampler: Sampler, texture_use: TextureUse) -> Result<u32> {
+        if let Some(id) = self.textures.find(image, srgb, sampler) {
+            return Ok(id);
+        }
+        let (pixels, fault) = self.scene.images[image].decode_or_neutral(texture_use);
+        self.warnings.extend(fault.map(|e| format!("images[{image}]: a neutral texture stands in: {e}")));
+        let (width, height) = pixels.dimensions();
+        self.textures.add(image, srgb, sampler, || Ok(Pixels { width, height, rgba: pixels.as_raw() }))
+    }
+}
+
+fn sampler(of: &scene::Sampler) -> Sampler {
+    let wrap = |w| match w {
+        scene::Wrap::Repeat => Wrap::Repeat,
+        scene::Wrap::Mirror => Wrap::Mirror,
+        scene::Wrap::Clamp => Wrap::Clamp,
+    };
+    Sampler {
+        wrap_u: wrap(of.wrap_u),
+        wrap_v: wrap(of.wrap_v),
+        nearest: !of.magnify_linear && !of.minify_linear,
+        no_mips: of.mipmap == Mipmap::None,
+    }
+}
