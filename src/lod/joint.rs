@@ -4,8 +4,9 @@
 //! to the weight it has beside position.
 
 use super::LodInput;
-use crate::mesh::Weld;
 use crate::param::PrimaryKind;
+use crate::param::fit_surface::weld;
+use crate::param::weld::by_place;
 use glam::{DMat4, DVec3, Mat4};
 
 /// What a uv difference of 1 weighs beside a distance of the model's extent. Small: it keeps uv from shearing, the
@@ -66,10 +67,9 @@ impl Joint {
 
     fn append(&mut self, m: usize, input: &LodInput<'_>) {
         let mesh = input.mesh;
-        let weld = match input.primary.kind {
-            PrimaryKind::UvSet(set) => Weld::by_position_and_uv(mesh, set as usize),
-            _ => Weld::by_position(&mesh.positions),
-        };
+        let weld = weld(mesh, input.primary.kind);
+        // Both sides of a seam must lie at one place to the bit, or the simplifier would take it for two borders.
+        let place = by_place(&mesh.positions, &mesh.triangles);
         let mut joined = vec![u32::MAX; mesh.positions.len()];
         for (t, triangle) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = triangle.map(|v| weld.of[v as usize]);
@@ -81,23 +81,22 @@ impl Joint {
                     joined[v as usize] = self.positions.len() as u32;
                     let (part, layer) =
                         (input.parts.triangle_part[t], input.parts.triangle_layer[t]);
-                    self.push(
-                        input,
-                        Origin {
-                            mesh: m as u32,
-                            vertex: v,
-                            part,
-                            layer,
-                        },
-                    );
+                    let origin = Origin {
+                        mesh: m as u32,
+                        vertex: v,
+                        part,
+                        layer,
+                    };
+                    self.push(input, origin, place.of[v as usize]);
                 }
                 self.indices.push(joined[v as usize]);
             }
         }
     }
 
-    fn push(&mut self, input: &LodInput<'_>, origin: Origin) {
-        let p = input.mesh.positions[origin.vertex as usize];
+    /// Appends a vertex that lies where the mesh's vertex `place` does.
+    fn push(&mut self, input: &LodInput<'_>, origin: Origin, place: u32) {
+        let p = input.mesh.positions[place as usize];
         let world = self.worlds[origin.mesh as usize];
         self.positions.push(
             world

@@ -8,10 +8,10 @@
 use super::fit_centre::search;
 use super::fit_domain::Domain;
 use super::fit_overlap::{LAYOUT_TEXELS, Overlap, SHEET_TEXELS, measure};
-use super::fit_surface::Surface;
+use super::fit_surface::{Surface, parts_of};
 use super::{Axis, Primary, PrimaryKind};
 use crate::error::Result;
-use crate::mesh::Mesh;
+use crate::mesh::{Components, Mesh};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -63,10 +63,17 @@ pub fn fits(mesh: &Mesh) -> Vec<Fit> {
     kinds.extend(Axis::ALL.map(PrimaryKind::Plane));
     kinds.extend(Axis::ALL.map(PrimaryKind::Cylinder));
     kinds.push(PrimaryKind::Sphere);
-    kinds
-        .into_par_iter()
-        .filter_map(|kind| fit(mesh, kind, None))
-        .collect()
+    // All primaries from position have the same parts.
+    let pieces = parts_of(mesh, PrimaryKind::Sphere);
+    let fit_of = |kind| {
+        let parts = if seamless(kind) {
+            pieces.clone()
+        } else {
+            parts_of(mesh, kind)
+        };
+        fit_with(mesh, kind, None, parts)
+    };
+    kinds.into_par_iter().filter_map(fit_of).collect()
 }
 
 /// How `kind` fits, with its origin at `centre` (T3) or at the best point found. `None` where it cannot be had.
@@ -79,7 +86,17 @@ pub fn fit(mesh: &Mesh, kind: PrimaryKind, centre: Option<[f64; 3]>) -> Option<F
     {
         return None;
     }
-    let mut surface = Surface::new(mesh, kind);
+    fit_with(mesh, kind, centre, parts_of(mesh, kind))
+}
+
+/// [`fit`] with the parts known; the uv set exists.
+fn fit_with(
+    mesh: &Mesh,
+    kind: PrimaryKind,
+    centre: Option<[f64; 3]>,
+    parts: Components,
+) -> Option<Fit> {
+    let mut surface = Surface::new(mesh, kind, parts);
     if surface.area <= 0.0 || !surface.area.is_finite() {
         return None;
     }

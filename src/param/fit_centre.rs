@@ -46,9 +46,18 @@ pub(crate) fn search(spaces: &[HalfSpace], starts: &[[f64; 3]], radius: f64) -> 
     if turned(spaces, inner) > 0.0 {
         let convex = least_hinge(&sample, first, radius);
         candidates.push(convex);
-        let mut starts = candidates.clone();
-        starts.dedup();
-        candidates.extend(starts.into_iter().map(|start| walk(&sample, start, radius)));
+        // Walks from the two best starts: the others end in the same valleys.
+        let mut starts: Vec<(f64, [f64; 3])> = candidates
+            .iter()
+            .map(|&c| (turned(&sample, c), c))
+            .collect();
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        candidates.extend(
+            starts
+                .iter()
+                .take(2)
+                .map(|&(_, start)| walk(&sample, start, radius)),
+        );
     }
     best(spaces, &candidates)
 }

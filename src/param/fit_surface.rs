@@ -5,8 +5,9 @@
 //! the back), 0 means that the triangle's image has no area.
 
 use super::fit_centre::{HalfSpace, cross, dot, sub};
+use super::weld::by_place;
 use super::{Frame, Primary, PrimaryKind};
-use crate::mesh::{Mesh, Weld, components};
+use crate::mesh::{Components, Mesh, Weld, components};
 
 /// A triangle whose normal is closer to the cylinder's axis than acos of this faces an end: the side projection says
 /// nothing about it, and it is left out of the share that is turned.
@@ -50,19 +51,25 @@ pub(crate) fn t3_points(mesh: &Mesh, kind: PrimaryKind) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Parts of a mesh under a kind of primary: triangles that share a vertex by position (and uv, for a uv set).
-pub(crate) fn parts_of(mesh: &Mesh, kind: PrimaryKind) -> crate::mesh::Components {
-    let weld = match kind {
+/// Vertices that are one under a kind of primary: by position and uv for a uv set, by place otherwise.
+pub(crate) fn weld(mesh: &Mesh, kind: PrimaryKind) -> Weld {
+    match kind {
         PrimaryKind::UvSet(set) => Weld::by_position_and_uv(mesh, set as usize),
-        _ => Weld::by_position(&mesh.positions),
-    };
-    components(&weld.triangles(&mesh.triangles), mesh.positions.len())
+        _ => by_place(&mesh.positions, &mesh.triangles),
+    }
+}
+
+/// Parts of a mesh under a kind of primary: triangles that share a welded vertex.
+pub(crate) fn parts_of(mesh: &Mesh, kind: PrimaryKind) -> Components {
+    components(
+        &weld(mesh, kind).triangles(&mesh.triangles),
+        mesh.positions.len(),
+    )
 }
 
 impl Surface {
-    /// Measures `mesh` with the origin at zero.
-    pub(crate) fn new(mesh: &Mesh, kind: PrimaryKind) -> Self {
-        let parts = parts_of(mesh, kind);
+    /// Measures `mesh` with the origin at zero; `parts` are those of [`parts_of`].
+    pub(crate) fn new(mesh: &Mesh, kind: PrimaryKind, parts: Components) -> Self {
         let areas: Vec<f64> = (0..mesh.triangles.len())
             .map(|t| 0.5 * length(normal_of(mesh, t)))
             .collect();

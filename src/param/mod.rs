@@ -14,6 +14,7 @@ pub(crate) mod fit_surface;
 pub mod grid;
 pub mod layer;
 pub mod projection;
+pub(crate) mod weld;
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
