@@ -17,11 +17,29 @@ const NEUTRAL: usize = usize::MAX - 1;
 /// # Errors
 /// [`Error::Capacity`](crate::Error::Capacity) where the textures exceed 512 MiB with their mip levels.
 pub fn attributes_of(scene: &Scene, lit: bool) -> Result<(AttributeSet, Vec<String>)> {
-    let mut reading = Reading { scene, textures: TextureSet::default(), warnings: Vec::new() };
-    let materials = scene.materials.iter().map(|m| reading.material(m, lit)).collect::<Result<Vec<_>>>()?;
-    let uv_sets = scene.meshes.iter().map(|m| m.uv_sets.len()).max().unwrap_or(0);
-    let Reading { textures, warnings, .. } = reading;
-    Ok((AttributeSet::new(textures, &materials, uv_sets.max(1)), warnings))
+    let mut reading = Reading {
+        scene,
+        textures: TextureSet::default(),
+        warnings: Vec::new(),
+    };
+    let materials = scene
+        .materials
+        .iter()
+        .map(|m| reading.material(m, lit))
+        .collect::<Result<Vec<_>>>()?;
+    let uv_sets = scene
+        .meshes
+        .iter()
+        .map(|m| m.uv_sets.len())
+        .max()
+        .unwrap_or(0);
+    let Reading {
+        textures, warnings, ..
+    } = reading;
+    Ok((
+        AttributeSet::new(textures, &materials, uv_sets.max(1)),
+        warnings,
+    ))
 }
 
 struct Reading<'a> {
@@ -68,27 +86,58 @@ impl Reading<'_> {
         let texture = &self.scene.textures[reference.texture];
         let sampler = sampler(&self.scene.sampler_of(texture));
         let srgb = matches!(slot, Slot::BaseColor | Slot::Emissive);
-        let texture_use = if slot == Slot::Normal { TextureUse::Normal } else { TextureUse::Factor };
+        let texture_use = if slot == Slot::Normal {
+            TextureUse::Normal
+        } else {
+            TextureUse::Factor
+        };
         let id = match texture.image {
             Some(image) => self.image(image, srgb, sampler, texture_use)?,
             None => {
-                let texel: &[u8] = if slot == Slot::Normal { &[128, 128, 255, 255] } else { &[255; 4] };
+                let texel: &[u8] = if slot == Slot::Normal {
+                    &[128, 128, 255, 255]
+                } else {
+                    &[255; 4]
+                };
                 let number = NEUTRAL - usize::from(slot == Slot::Normal);
-                self.textures.add(number, srgb, sampler, || Ok(Pixels { width: 1, height: 1, rgba: texel }))?
+                self.textures.add(number, srgb, sampler, || {
+                    Ok(Pixels {
+                        width: 1,
+                        height: 1,
+                        rgba: texel,
+                    })
+                })?
             }
         };
         let uv_set = u32::try_from(reference.uv_set).unwrap_or(u32::MAX);
-        Ok(SlotBinding { texture: id, uv_set, transform: reference.transform.rows() })
+        Ok(SlotBinding {
+            texture: id,
+            uv_set,
+            transform: reference.transform.rows(),
+        })
     }
 
-    fn image(&mut self, image: usize, srgb: bool, sampler: Sampler, texture_use: TextureUse) -> Result<u32> {
+    fn image(
+        &mut self,
+        image: usize,
+        srgb: bool,
+        sampler: Sampler,
+        texture_use: TextureUse,
+    ) -> Result<u32> {
         if let Some(id) = self.textures.find(image, srgb, sampler) {
             return Ok(id);
         }
         let (pixels, fault) = self.scene.images[image].decode_or_neutral(texture_use);
-        self.warnings.extend(fault.map(|e| format!("images[{image}]: a neutral texture stands in: {e}")));
+        self.warnings
+            .extend(fault.map(|e| format!("images[{image}]: a neutral texture stands in: {e}")));
         let (width, height) = pixels.dimensions();
-        self.textures.add(image, srgb, sampler, || Ok(Pixels { width, height, rgba: pixels.as_raw() }))
+        self.textures.add(image, srgb, sampler, || {
+            Ok(Pixels {
+                width,
+                height,
+                rgba: pixels.as_raw(),
+            })
+        })
     }
 }
 

@@ -111,7 +111,8 @@ impl TextureSet {
 
     fn register(&mut self, chain: &Chain, image: usize, srgb: bool, sampler: Sampler) -> u32 {
         let id = self.len() as u32;
-        self.records.extend_from_slice(&record(chain, srgb, sampler));
+        self.records
+            .extend_from_slice(&record(chain, srgb, sampler));
         self.known.insert((image, srgb, sampler), id);
         id
     }

@@ -33,7 +33,11 @@ pub(crate) struct Correspondence {
 
 /// The point of the reference under a pixel.
 pub(crate) fn find(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
-    if draw.correspondence == IDENTITY { identity(draw, drawn) } else { inverse(picture, draw, drawn) }
+    if draw.correspondence == IDENTITY {
+        identity(draw, drawn)
+    } else {
+        inverse(picture, draw, drawn)
+    }
 }
 
 fn identity(draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
@@ -43,7 +47,10 @@ fn identity(draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
         dx: drawn.bx.map(|b| sub3(b, drawn.b)),
         dy: drawn.by.map(|b| sub3(b, drawn.b)),
     };
-    Correspondence { point: Some(point), fetches: 0 }
+    Correspondence {
+        point: Some(point),
+        fetches: 0,
+    }
 }
 
 fn inverse(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
@@ -52,21 +59,33 @@ fn inverse(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondenc
     let query = query_point(&t3, drawn.b);
     let layer = (drawn.layer <= 255).then_some(drawn.layer as u8);
     let Some(found) = tables.lookup(query, layer, true) else {
-        return Correspondence { point: None, fetches: tables.fetches_of_miss(query) };
+        return Correspondence {
+            point: None,
+            fetches: tables.fetches_of_miss(query),
+        };
     };
     let words = layout::triangle_words(tables.layout, &tables.primary);
     let record = &tables.triangle[found.triangle as usize * words..][..words];
-    let (corners, _) = layout::decode_triangle(tables.layout, layout::is_flat(&tables.primary), record);
+    let (corners, _) =
+        layout::decode_triangle(tables.layout, layout::is_flat(&tables.primary), record);
     let line = tables.primary.line();
     let here = projected(line, query, &corners);
-    let moved = |b: Option<[f32; 3]>| Some(sub3(projected(line, query_point(&t3, b?), &corners)?, here?));
+    let moved = |b: Option<[f32; 3]>| {
+        Some(sub3(
+            projected(line, query_point(&t3, b?), &corners)?,
+            here?,
+        ))
+    };
     let point = SurfacePoint {
         triangle: draw.attribute_base + found.triangle,
         b: found.barycentric,
         dx: moved(drawn.bx),
         dy: moved(drawn.by),
     };
-    Correspondence { point: Some(point), fetches: found.fetches }
+    Correspondence {
+        point: Some(point),
+        fetches: found.fetches,
+    }
 }
 
 /// T3 at barycentrics `b` of a drawn triangle, on the query grid. Relative to the first vertex, so that the error is
@@ -86,9 +105,15 @@ fn query_point(t3: &[[i32; 4]; 3], b: [f32; 3]) -> [i32; 3] {
 /// w - d (n.w) / (n.d): differences of nearby points throughout, so neighbours can be subtracted.
 fn projected(line: Line, query: [i32; 3], corners: &GridTriangle) -> Option<[f32; 3]> {
     let unit = |v: [i32; 3]| v.map(|x| x as f32 * UNIT);
-    let edge = |v: usize| unit(std::array::from_fn(|k| (corners[v][k] - corners[0][k]) << QUERY_SHIFT));
+    let edge = |v: usize| {
+        unit(std::array::from_fn(|k| {
+            (corners[v][k] - corners[0][k]) << QUERY_SHIFT
+        }))
+    };
     let (e1, e2) = (edge(1), edge(2));
-    let w = unit(std::array::from_fn(|k| query[k] - (corners[0][k] << QUERY_SHIFT)));
+    let w = unit(std::array::from_fn(|k| {
+        query[k] - (corners[0][k] << QUERY_SHIFT)
+    }));
     let q = unit(query);
     let d: V3 = match line {
         Line::Parallel => [0.0, 0.0, 1.0],
@@ -113,9 +138,14 @@ mod tests {
 
     #[test]
     fn a_point_on_the_triangle_projects_to_its_own_barycentrics() {
-        let corners: GridTriangle = [[4_000_000, 100, 3_000_000], [4_010_000, 9_000, 3_000_500], [4_001_000, -7_000, 3_004_000]];
+        let corners: GridTriangle = [
+            [4_000_000, 100, 3_000_000],
+            [4_010_000, 9_000, 3_000_500],
+            [4_001_000, -7_000, 3_004_000],
+        ];
         let b = [0.2f64, 0.5, 0.3];
-        let p: [f64; 3] = std::array::from_fn(|k| (0..3).map(|i| b[i] * f64::from(corners[i][k])).sum::<f64>());
+        let p: [f64; 3] =
+            std::array::from_fn(|k| (0..3).map(|i| b[i] * f64::from(corners[i][k])).sum::<f64>());
         for (line, scale) in [
             (Line::Sphere, [0.97, 0.97, 0.97]),
             (Line::Cylinder, [1.02, 1.02, 1.0]),
@@ -134,8 +164,15 @@ mod tests {
 
     #[test]
     fn query_points_reproduce_corners_and_stay_on_the_grid() {
-        let t3 = [[8_388_607, -8_388_607, 0, 0], [-8_388_607, 8_388_607, 5, 0], [1, 2, 3, 0]];
-        assert_eq!(query_point(&t3, [1.0, 0.0, 0.0]), [8_388_607 << 6, -(8_388_607 << 6), 0]);
+        let t3 = [
+            [8_388_607, -8_388_607, 0, 0],
+            [-8_388_607, 8_388_607, 5, 0],
+            [1, 2, 3, 0],
+        ];
+        assert_eq!(
+            query_point(&t3, [1.0, 0.0, 0.0]),
+            [8_388_607 << 6, -(8_388_607 << 6), 0]
+        );
         assert_eq!(query_point(&t3, [0.0, 0.0, 1.0]), [64, 128, 192]);
         let far = query_point(&t3, [-1e30, 1e30, 1e30]);
         assert!(far.iter().all(|c| c.abs() <= QUERY_MAX));

@@ -7,7 +7,9 @@ use super::draw::{DrawRecord, Projected, ViewConstants};
 use super::picture::Picture;
 use super::shade::{Aov, NOTHING, Pixel};
 use crate::gpu::shaders::{render_project, render_raster, render_shade};
-use crate::gpu::{Bound, Buffer, Clear, Context, GraphicsOptions, GraphicsPass, Image, Recorder, Timings, vk};
+use crate::gpu::{
+    Bound, Buffer, Clear, Context, GraphicsOptions, GraphicsPass, Image, Recorder, Timings, vk,
+};
 use crate::{Error, Result};
 use std::sync::Mutex;
 
@@ -56,11 +58,14 @@ pub(crate) struct Target {
 impl Device {
     pub(crate) fn new(context: &Context, picture: &Picture) -> Result<Self> {
         let arrays = upload(context, picture)?;
-        let project = context.compute::<render_project::Shader>()?.bind(&render_project::Bindings {
-            positions: &arrays.positions,
-            draws: &arrays.draws,
-            projected: &arrays.projected,
-        })?;
+        let project =
+            context
+                .compute::<render_project::Shader>()?
+                .bind(&render_project::Bindings {
+                    positions: &arrays.positions,
+                    draws: &arrays.draws,
+                    projected: &arrays.projected,
+                })?;
         Ok(Device {
             context: context.clone(),
             arrays,
@@ -79,7 +84,11 @@ impl Device {
         let have = context.info().limits.storage_buffer_bytes;
         if pixels * AOV_BYTES > have {
             let what = "bytes of one image's pixels on the device (draw it smaller)".into();
-            return Err(Error::Capacity { what, need: pixels * AOV_BYTES, have });
+            return Err(Error::Capacity {
+                what,
+                need: pixels * AOV_BYTES,
+                have,
+            });
         }
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE;
         let ids = context.target("triangle ids", width, height, vk::Format::R32_UINT, usage)?;
@@ -95,31 +104,44 @@ impl Device {
             cull: vk::CullModeFlags::NONE,
             depth_test: true,
         };
-        let raster = context.graphics::<render_raster::Shader>(&options)?.bind(&render_raster::Bindings {
-            draws: &a.draws,
-            corners: &a.corners,
-            projected: &a.projected,
-        })?;
-        let shade = context.compute::<render_shade::Shader>()?.bind(&render_shade::Bindings {
-            draws: &a.draws,
-            corners: &a.corners,
-            projected: &a.projected,
-            positions: &a.positions,
-            constants: &a.constants,
-            attribute_triangles: &a.attribute_triangles,
-            attribute_vertices: &a.attribute_vertices,
-            materials: &a.materials,
-            textures: &a.textures,
-            texels_0: &a.texels[0],
-            texels_1: &a.texels[1],
-            texels_2: &a.texels[2],
-            texels_3: &a.texels[3],
-            colour: &colour,
-            linear: &linear,
-            aov: &aov,
-            ids: &ids,
-        })?;
-        Ok(Target { size: [width, height], ids, depth, colour, linear, aov, raster, shade })
+        let raster = context.graphics::<render_raster::Shader>(&options)?.bind(
+            &render_raster::Bindings {
+                draws: &a.draws,
+                corners: &a.corners,
+                projected: &a.projected,
+            },
+        )?;
+        let shade = context
+            .compute::<render_shade::Shader>()?
+            .bind(&render_shade::Bindings {
+                draws: &a.draws,
+                corners: &a.corners,
+                projected: &a.projected,
+                positions: &a.positions,
+                constants: &a.constants,
+                attribute_triangles: &a.attribute_triangles,
+                attribute_vertices: &a.attribute_vertices,
+                materials: &a.materials,
+                textures: &a.textures,
+                texels_0: &a.texels[0],
+                texels_1: &a.texels[1],
+                texels_2: &a.texels[2],
+                texels_3: &a.texels[3],
+                colour: &colour,
+                linear: &linear,
+                aov: &aov,
+                ids: &ids,
+            })?;
+        Ok(Target {
+            size: [width, height],
+            ids,
+            depth,
+            colour,
+            linear,
+            aov,
+            raster,
+            shade,
+        })
     }
 
     /// Records the three passes; the target's buffers hold the image once they have run.
@@ -159,7 +181,10 @@ impl Device {
 
     /// Draws, waits, and brings the pixels back.
     pub(crate) fn draw(&self, view: &ViewConstants) -> Result<(Vec<Pixel>, Timings)> {
-        let mut kept = self.target.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut kept = self
+            .target
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
         let target = match kept.take() {
             Some(target) if target.size == [view.width, view.height] => target,
             _ => self.target(view.width, view.height)?,
@@ -177,7 +202,9 @@ impl Device {
         let linear = self.context.download::<[f32; 4]>(&target.linear)?;
         let aov = self.context.download::<Aov>(&target.aov)?;
         let pixels = colour.into_iter().zip(linear).zip(aov);
-        Ok(pixels.map(|((rgba8, linear), aov)| Pixel { linear, rgba8, aov }).collect())
+        Ok(pixels
+            .map(|((rgba8, linear), aov)| Pixel { linear, rgba8, aov })
+            .collect())
     }
 
     /// The vertices as the project pass left them.

@@ -33,5 +33,5 @@ pub use camera_file::{View, parse_views};
 pub use constants::legend;
 pub use draw::Light;
 pub use picture::{Geometry, Picture};
-pub use stage::{Correspond, Subject, stage};
 pub use renderer::{Options, Output, Rendered, Renderer};
+pub use stage::{Correspond, Subject, stage};

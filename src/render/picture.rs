@@ -4,8 +4,8 @@
 //! with their transforms. Out: [`Picture`]. Nothing in it depends on the camera.
 
 use super::constants::constants;
-use super::draw::DrawRecord;
 use super::correspond::{IDENTITY, INVERSE};
+use super::draw::DrawRecord;
 use crate::attribute::AttributeSet;
 use crate::igt::Tables;
 use crate::{Error, Result};
@@ -102,7 +102,13 @@ impl Picture {
 
     /// Draws a geometry. `attribute_base` is the number of its reference's first triangle in the attributes; `tables`
     /// the number of its inverse geometric texture, none for a geometry whose triangles are the reference's own.
-    pub fn draw(&mut self, geometry: Geometry, attribute_base: u32, tables: Option<u32>, world: DMat4) -> Result<()> {
+    pub fn draw(
+        &mut self,
+        geometry: Geometry,
+        attribute_base: u32,
+        tables: Option<u32>,
+        world: DMat4,
+    ) -> Result<()> {
         if geometry.triangle_count == 0 {
             return Ok(());
         }

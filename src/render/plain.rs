@@ -16,7 +16,10 @@ const PULL: i64 = 64;
 
 /// The LoD's triangles, three vertices each, with attributes of `reference`.
 pub(crate) fn mesh(reference: &Mesh, lod: &Lod, tables: &Tables) -> Mesh {
-    let mut out = Mesh { name: reference.name.clone(), ..Mesh::default() };
+    let mut out = Mesh {
+        name: reference.name.clone(),
+        ..Mesh::default()
+    };
     out.uv_sets = vec![Vec::new(); reference.uv_sets.len()];
     for (t, triangle) in lod.triangles.iter().enumerate() {
         let corners = triangle.map(|v| lod.t3[v as usize]);
@@ -31,7 +34,9 @@ pub(crate) fn mesh(reference: &Mesh, lod: &Lod, tables: &Tables) -> Mesh {
         for k in 0..3 {
             let vertex = triangle[k] as usize;
             out.positions.push(lod.positions[vertex]);
-            let at = found[k].or(middle).map(|f| (reference.triangles[f.triangle as usize], f.barycentric));
+            let at = found[k]
+                .or(middle)
+                .map(|f| (reference.triangles[f.triangle as usize], f.barycentric));
             push_attributes(&mut out, reference, at, lod.normals[vertex]);
         }
     }
@@ -54,15 +59,22 @@ fn centroid(corners: &[[i32; 3]; 3]) -> [i32; 3] {
     })
 }
 
-fn push_attributes(out: &mut Mesh, reference: &Mesh, at: Option<([u32; 3], [f32; 3])>, normal: [f32; 3]) {
-    out.normals.push(at.map_or(normal, |at| weighted(&reference.normals, at)));
+fn push_attributes(
+    out: &mut Mesh,
+    reference: &Mesh,
+    at: Option<([u32; 3], [f32; 3])>,
+    normal: [f32; 3],
+) {
+    out.normals
+        .push(at.map_or(normal, |at| weighted(&reference.normals, at)));
     if !reference.tangents.is_empty() {
         let side = at.map_or(1.0, |(v, _)| reference.tangents[v[0] as usize][3]);
         let [x, y, z, _] = at.map_or([0.0; 4], |at| weighted(&reference.tangents, at));
         out.tangents.push([x, y, z, side]);
     }
     if !reference.colors.is_empty() {
-        out.colors.push(at.map_or([1.0; 4], |at| weighted(&reference.colors, at)));
+        out.colors
+            .push(at.map_or([1.0; 4], |at| weighted(&reference.colors, at)));
     }
     for (set, values) in out.uv_sets.iter_mut().zip(&reference.uv_sets) {
         set.push(at.map_or([0.0; 2], |at| weighted(values, at)));

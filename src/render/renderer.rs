@@ -105,7 +105,10 @@ impl Renderer {
     #[cfg(feature = "gpu")]
     pub fn on(context: &gpu::Context, picture: Picture) -> Result<Self> {
         let device = Device::new(context, &picture)?;
-        Ok(Renderer { picture, device: Some(device) })
+        Ok(Renderer {
+            picture,
+            device: Some(device),
+        })
     }
 
     /// The picture.
@@ -120,7 +123,11 @@ impl Renderer {
         let view = ViewConstants::new(&fine, &options.light, flags(options));
         let (pixels, passes) = self.pixels(&view)?;
         let coded = matches!(options.output, Output::Normals | Output::Fetches);
-        let pixels = if factor == 1 { pixels } else { resolve::average(&pixels, camera, factor, coded) };
+        let pixels = if factor == 1 {
+            pixels
+        } else {
+            resolve::average(&pixels, camera, factor, coded)
+        };
         let mut out = assemble(camera, pixels);
         out.passes = passes;
         Ok(out)
@@ -130,12 +137,25 @@ impl Renderer {
         #[cfg(feature = "gpu")]
         if let Some(device) = &self.device {
             let (pixels, timings) = device.draw(view)?;
-            return Ok((pixels, timings.passes.into_iter().map(|p| (p.name, p.nanoseconds)).collect()));
+            return Ok((
+                pixels,
+                timings
+                    .passes
+                    .into_iter()
+                    .map(|p| (p.name, p.nanoseconds))
+                    .collect(),
+            ));
         }
         let mut passes = Vec::new();
-        let projected = timed(&mut passes, "project", || project::cpu(&self.picture.positions, &self.picture.draws, view));
-        let ids = timed(&mut passes, "raster", || raster::cpu(&self.picture.corners, &self.picture.draws, view, &projected));
-        let pixels = timed(&mut passes, "shade", || shade::cpu(&self.picture, view, &projected, &ids));
+        let projected = timed(&mut passes, "project", || {
+            project::cpu(&self.picture.positions, &self.picture.draws, view)
+        });
+        let ids = timed(&mut passes, "raster", || {
+            raster::cpu(&self.picture.corners, &self.picture.draws, view, &projected)
+        });
+        let pixels = timed(&mut passes, "shade", || {
+            shade::cpu(&self.picture, view, &projected, &ids)
+        });
         Ok((pixels, passes))
     }
 }

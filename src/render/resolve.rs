@@ -15,9 +15,10 @@ pub(crate) fn factor(samples: u32) -> Result<u32> {
         1 => Ok(1),
         4 => Ok(2),
         16 => Ok(4),
-        other => {
-            Err(Error::Option { option: "--samples", reason: format!("{other} is not 1, 4 or 16 samples a pixel") })
-        }
+        other => Err(Error::Option {
+            option: "--samples",
+            reason: format!("{other} is not 1, 4 or 16 samples a pixel"),
+        }),
     }
 }
 
@@ -26,8 +27,18 @@ pub(crate) fn factor(samples: u32) -> Result<u32> {
 pub(crate) fn average(fine: &[Pixel], camera: &Camera, factor: u32, coded: bool) -> Vec<Pixel> {
     let constants = constants();
     let thresholds = &constants[THRESHOLDS_AT..THRESHOLDS_AT + 256];
-    let encode = |c: f32| if coded { unit_encode(c) } else { srgb_encode(thresholds, c) };
-    let (width, height, f) = (camera.width as usize, camera.height as usize, factor as usize);
+    let encode = |c: f32| {
+        if coded {
+            unit_encode(c)
+        } else {
+            srgb_encode(thresholds, c)
+        }
+    };
+    let (width, height, f) = (
+        camera.width as usize,
+        camera.height as usize,
+        factor as usize,
+    );
     let mut out = Vec::with_capacity(width * height);
     for y in 0..height {
         for x in 0..width {
@@ -50,10 +61,16 @@ fn mean<'a>(samples: impl Iterator<Item = &'a Pixel>, encode: impl Fn(f32) -> u3
             first = Some(*sample);
         }
     }
-    let Some(first) = first.filter(|_| alpha > 0.0) else { return EMPTY };
+    let Some(first) = first.filter(|_| alpha > 0.0) else {
+        return EMPTY;
+    };
     let [r, g, b] = sum.map(|c| c / alpha);
     let codes = [r, g, b].map(encode);
     let coverage = alpha / count;
     let rgba8 = codes[0] | (codes[1] << 8) | (codes[2] << 16) | (unit_encode(coverage) << 24);
-    Pixel { linear: [r, g, b, coverage], rgba8, aov: first.aov }
+    Pixel {
+        linear: [r, g, b, coverage],
+        rgba8,
+        aov: first.aov,
+    }
 }

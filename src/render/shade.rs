@@ -142,9 +142,16 @@ fn shade(
         },
         &found,
     );
-    let (triangle, barycentric) =
-        found.point.map_or((NOTHING, [0.0; 2]), |p| (p.triangle - draw.attribute_base, [p.b[1], p.b[2]]));
-    let aov = Aov { triangle, draw: draw_index as u32, barycentric, fetches: found.fetches, depth };
+    let (triangle, barycentric) = found.point.map_or((NOTHING, [0.0; 2]), |p| {
+        (p.triangle - draw.attribute_base, [p.b[1], p.b[2]])
+    });
+    let aov = Aov {
+        triangle,
+        draw: draw_index as u32,
+        barycentric,
+        fetches: found.fetches,
+        depth,
+    };
     Pixel { linear, rgba8, aov }
 }
 
@@ -186,7 +193,9 @@ fn colour(
         world: &draw.world,
         normal: &draw.normal,
     };
-    let mut surface = found.point.map_or(UNKNOWN, |p| picture.attributes.surface(constants, &p, &frame));
+    let mut surface = found.point.map_or(UNKNOWN, |p| {
+        picture.attributes.surface(constants, &p, &frame)
+    });
     if surface.masked {
         return ([0.0; 4], 0);
     }

@@ -50,7 +50,10 @@ pub fn stage(
     lit: bool,
 ) -> Result<(Picture, Vec<String>)> {
     let (attributes, warnings) = attributes_of(scene, lit)?;
-    let mut staging = Staging { picture: Picture::new(attributes), ready: vec![None; scene.meshes.len()] };
+    let mut staging = Staging {
+        picture: Picture::new(attributes),
+        ready: vec![None; scene.meshes.len()],
+    };
     for instance in scene.instances() {
         let subject = subjects.get(instance.mesh).cloned().unwrap_or_default();
         staging.add(scene, &instance, &subject, correspond)?;
@@ -67,11 +70,18 @@ struct Staging {
 type Ready = (Geometry, u32, Option<u32>);
 
 impl Staging {
-    fn add(&mut self, scene: &Scene, instance: &Instance, subject: &Subject, correspond: Correspond) -> Result<()> {
+    fn add(
+        &mut self,
+        scene: &Scene,
+        instance: &Instance,
+        subject: &Subject,
+        correspond: Correspond,
+    ) -> Result<()> {
         let mesh = &scene.meshes[instance.mesh];
         if let Some(skin) = instance.skin.filter(|_| !mesh.joints.is_empty()) {
             let palette = skin::palette(scene, &scene.skins[skin]);
-            let (geometry, base, tables) = self.prepare(mesh, subject, correspond, Some(&palette))?;
+            let (geometry, base, tables) =
+                self.prepare(mesh, subject, correspond, Some(&palette))?;
             return self.picture.draw(geometry, base, tables, DMat4::IDENTITY);
         }
         let (geometry, base, tables) = match self.ready[instance.mesh] {
@@ -91,8 +101,13 @@ impl Staging {
     ) -> Result<Ready> {
         let placed = palette.map(|p| skin::mesh(p, mesh));
         let reference = placed.as_ref().unwrap_or(mesh);
-        let inverse = subject.tables.as_ref().filter(|_| correspond != Correspond::Reference);
-        let Some(tables) = inverse else { return self.own(reference) };
+        let inverse = subject
+            .tables
+            .as_ref()
+            .filter(|_| correspond != Correspond::Reference);
+        let Some(tables) = inverse else {
+            return self.own(reference);
+        };
         let lod = match subject.lod {
             Some(lod) => placed_lod(lod, palette),
             None => level_zero(mesh, reference, tables, subject.layers),
@@ -101,7 +116,12 @@ impl Staging {
             return self.own(&plain::mesh(reference, &lod, tables));
         }
         let base = self.attributes().push_mesh(reference)?;
-        let geometry = self.picture.add_geometry(&lod.positions, &lod.triangles, &lod.t3, &lod.triangle_layer)?;
+        let geometry = self.picture.add_geometry(
+            &lod.positions,
+            &lod.triangles,
+            &lod.t3,
+            &lod.triangle_layer,
+        )?;
         let tables = self.picture.add_tables(Arc::clone(tables));
         Ok((geometry, base, Some(tables)))
     }
@@ -109,7 +129,9 @@ impl Staging {
     /// A mesh that is its own reference.
     fn own(&mut self, mesh: &Mesh) -> Result<Ready> {
         let base = self.attributes().push_mesh(mesh)?;
-        let geometry = self.picture.add_geometry(&mesh.positions, &mesh.triangles, &[], &[])?;
+        let geometry = self
+            .picture
+            .add_geometry(&mesh.positions, &mesh.triangles, &[], &[])?;
         Ok((geometry, base, None))
     }
 
@@ -129,7 +151,13 @@ fn placed_lod(lod: &Lod, palette: Option<&[DMat4]>) -> Lod {
 /// The reference's own geometry as a LoD: its T3 is what the tables hold, bit for bit.
 fn level_zero(mesh: &Mesh, placed: &Mesh, tables: &Tables, layers: &[u8]) -> Lod {
     let primary = &tables.primary;
-    let t3 = |v: usize| layout::round_vertex(tables.layout, primary, primary.to_grid(primary.t3_of(mesh, v)));
+    let t3 = |v: usize| {
+        layout::round_vertex(
+            tables.layout,
+            primary,
+            primary.to_grid(primary.t3_of(mesh, v)),
+        )
+    };
     Lod {
         positions: placed.positions.clone(),
         normals: placed.normals.clone(),

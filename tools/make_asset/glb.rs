@@ -4,9 +4,7 @@
 
 use crate::mesh::Mesh;
 use crate::texture::Images;
-use gltf::binary::{Glb, Header};
 use serde_json::{Value, json};
-use std::borrow::Cow;
 
 /// Appends data at a multiple of four and remembers its view.
 #[derive(Default)]
@@ -102,15 +100,22 @@ pub(crate) fn write(mesh: &Mesh, images: &Images) -> Result<Vec<u8>, Box<dyn std
         "bufferViews": bin.views,
         "buffers": [{ "byteLength": bin.bytes.len() }],
     });
-    let json = serde_json::to_vec(&document)?;
-    let glb = Glb {
-        header: Header {
-            magic: *b"glTF",
-            version: 2,
-            length: 0,
-        },
-        json: Cow::Owned(json),
-        bin: Some(Cow::Owned(bin.bytes)),
-    };
-    Ok(glb.to_vec()?)
+    Ok(container(serde_json::to_vec(&document)?, bin.bytes))
+}
+
+/// The binary container: a header and two chunks, each padded to a multiple of four (JSON with spaces).
+fn container(mut json: Vec<u8>, bin: Vec<u8>) -> Vec<u8> {
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let total = 12 + 8 + json.len() + 8 + bin.len();
+    let mut file = Vec::with_capacity(total);
+    let word = |file: &mut Vec<u8>, value: usize| file.extend((value as u32).to_le_bytes());
+    file.extend(b"glTF");
+    word(&mut file, 2);
+    word(&mut file, total);
+    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", bin)] {
+        word(&mut file, chunk.len());
+        file.extend(kind);
+        file.extend(chunk);
+    }
+    file
 }
