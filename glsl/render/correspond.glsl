@@ -79,8 +79,57 @@ Correspondence identity(uint draw, Drawn drawn) {
     return r;
 }
 
+// Through the inverse geometric texture.
+Correspondence inverse_of(uint draw, Drawn drawn) {
+    ivec3 v0 = t3.points[drawn.vertex.x].xyz;
+    ivec3 v1 = t3.points[drawn.vertex.y].xyz;
+    ivec3 v2 = t3.points[drawn.vertex.z].xyz;
+    igt_hash_base = draws.records[draw].igt[1];
+    igt_list_base = draws.records[draw].igt[2];
+    igt_triangle_base = draws.records[draw].igt[3];
+    IgtTables tables;
+    tables.line = draws.records[draw].igt[4];
+    tables.table_layout = draws.records[draw].igt[5];
+    tables.flat_t3 = draws.records[draw].igt[6];
+    tables.bits = draws.records[draw].igt[7];
+    ivec3 query = query_point(v0, v1, v2, drawn.b);
+    IgtFound found = igt_lookup(tables, query, drawn.layer, true);
+    Correspondence r;
+    r.fetches = found.fetches;
+    r.known = found.triangle != IGT_NOTHING;
+    r.point.triangle = 0u;
+    r.point.b = found.barycentric;
+    r.point.dx = vec3(0.0);
+    r.point.dy = vec3(0.0);
+    r.point.has_dx = false;
+    r.point.has_dy = false;
+    if (!r.known) {
+        return r;
+    }
+    uint ignored = 0u;
+    IgtTriangle c = igt_load_triangle(tables, found.triangle, ignored);
+    vec3 here;
+    bool has_here = projected_into(tables.line, query, c.v0, c.v1, c.v2, here);
+    r.point.triangle = draws.records[draw].attribute_base + found.triangle;
+    vec3 moved;
+    if (has_here && drawn.has_bx && projected_into(tables.line, query_point(v0, v1, v2, drawn.bx), c.v0, c.v1, c.v2, moved)) {
+        precise vec3 dx = moved - here;
+        r.point.dx = dx;
+        r.point.has_dx = true;
+    }
+    if (has_here && drawn.has_by && projected_into(tables.line, query_point(v0, v1, v2, drawn.by), c.v0, c.v1, c.v2, moved)) {
+        precise vec3 dy = moved - here;
+        r.point.dy = dy;
+        r.point.has_dy = true;
+    }
+    return r;
+}
+
 Correspondence correspond(uint draw, Drawn drawn) {
-    return identity(draw, drawn);
+    if (draws.records[draw].correspondence == 0u) {
+        return identity(draw, drawn);
+    }
+    return inverse_of(draw, drawn);
 }
 
 #endif

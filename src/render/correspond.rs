@@ -59,9 +59,10 @@ fn inverse(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondenc
     let query = query_point(&t3, drawn.b);
     let layer = (drawn.layer <= 255).then_some(drawn.layer as u8);
     let Some(found) = tables.lookup(query, layer, true) else {
+        // Two walks, one for hits and one for nearest points, over a list that is empty.
         return Correspondence {
             point: None,
-            fetches: tables.fetches_of_miss(query),
+            fetches: 2 * tables.fetches_of_miss(query),
         };
     };
     let words = layout::triangle_words(tables.layout, &tables.primary);

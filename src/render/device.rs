@@ -10,6 +10,7 @@ use crate::gpu::shaders::{render_project, render_raster, render_shade};
 use crate::gpu::{
     Bound, Buffer, Clear, Context, GraphicsOptions, GraphicsPass, Image, Recorder, Timings, vk,
 };
+use crate::igt::Tables;
 use crate::{Error, Result};
 use std::sync::Mutex;
 
@@ -40,6 +41,10 @@ struct Arrays {
     materials: Buffer,
     textures: Buffer,
     texels: [Buffer; 4],
+    t3: Buffer,
+    igt_hash: Buffer,
+    igt_list: Buffer,
+    igt_triangles: Buffer,
 }
 
 /// Images and buffers of one size that a picture is drawn into.
@@ -127,6 +132,10 @@ impl Device {
                 texels_1: &a.texels[1],
                 texels_2: &a.texels[2],
                 texels_3: &a.texels[3],
+                t3: &a.t3,
+                igt_hash: &a.igt_hash,
+                igt_list: &a.igt_list,
+                igt_triangles: &a.igt_triangles,
                 colour: &colour,
                 linear: &linear,
                 aov: &aov,
@@ -206,12 +215,6 @@ impl Device {
             .map(|((rgba8, linear), aov)| Pixel { linear, rgba8, aov })
             .collect())
     }
-
-    /// The vertices as the project pass left them.
-    #[cfg(test)]
-    pub(crate) fn projected(&self) -> Result<Vec<Projected>> {
-        self.context.download(&self.arrays.projected)
-    }
 }
 
 /// Workgroups of `size` invocations for `count` of them, in two dimensions because one holds 65535 groups.
@@ -224,6 +227,13 @@ fn groups(count: u32, size: u32) -> [u32; 3] {
 fn upload(context: &Context, picture: &Picture) -> Result<Arrays> {
     let attributes = &picture.attributes;
     let texels = |k: usize| context.upload(&format!("texels {k}"), attributes.textures.shard(k));
+    let joined = |words: fn(&Tables) -> &Vec<u32>| -> Vec<u32> {
+        picture
+            .tables
+            .iter()
+            .flat_map(|t| words(t).iter().copied())
+            .collect()
+    };
     let projected = u64::from(picture.vertex_count()) * size_of::<Projected>() as u64;
     Ok(Arrays {
         draws: context.upload::<DrawRecord>("draws", &picture.draws)?,
@@ -236,5 +246,9 @@ fn upload(context: &Context, picture: &Picture) -> Result<Arrays> {
         materials: context.upload("materials", &attributes.materials)?,
         textures: context.upload("textures", &attributes.textures.records)?,
         texels: [texels(0)?, texels(1)?, texels(2)?, texels(3)?],
+        t3: context.upload("t3", &picture.t3)?,
+        igt_hash: context.upload("igt hash", &joined(|t| &t.hash))?,
+        igt_list: context.upload("igt lists", &joined(|t| &t.list))?,
+        igt_triangles: context.upload("igt triangles", &joined(|t| &t.triangle))?,
     })
 }

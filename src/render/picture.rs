@@ -7,7 +7,7 @@ use super::constants::constants;
 use super::correspond::{IDENTITY, INVERSE};
 use super::draw::DrawRecord;
 use crate::attribute::AttributeSet;
-use crate::igt::Tables;
+use crate::igt::{Tables, layout};
 use crate::{Error, Result};
 use glam::{DMat3, DMat4};
 use std::sync::Arc;
@@ -100,6 +100,31 @@ impl Picture {
         (self.tables.len() - 1) as u32
     }
 
+    /// What a draw record says of tables `number`: the number, where its hash, list and triangle words begin when all
+    /// tables lie after each other, and how to read them.
+    fn igt_words(&self, number: u32) -> [u32; 16] {
+        let before = &self.tables[..number as usize];
+        let base =
+            |words: fn(&Tables) -> &Vec<u32>| before.iter().map(|t| words(t).len() as u32).sum();
+        let tables = &self.tables[number as usize];
+        let flat = u32::from(layout::is_flat(&tables.primary));
+        let how = [
+            tables.primary.line() as u32,
+            tables.layout as u32,
+            flat,
+            tables.bits(),
+        ];
+        let mut out = [0; 16];
+        out[..4].copy_from_slice(&[
+            number,
+            base(|t| &t.hash),
+            base(|t| &t.list),
+            base(|t| &t.triangle),
+        ]);
+        out[4..8].copy_from_slice(&how);
+        out
+    }
+
     /// Draws a geometry. `attribute_base` is the number of its reference's first triangle in the attributes; `tables`
     /// the number of its inverse geometric texture, none for a geometry whose triangles are the reference's own.
     pub fn draw(
@@ -124,7 +149,7 @@ impl Picture {
             ..DrawRecord::default()
         };
         (record.world, record.normal) = transforms(world)?;
-        record.igt[0] = tables.unwrap_or(0);
+        record.igt = tables.map_or([0; 16], |number| self.igt_words(number));
         let triangles = self.triangles as usize + geometry.triangle_count as usize;
         self.triangles = within("drawn triangles", triangles, 0)?;
         self.vertices = within(

@@ -2,6 +2,8 @@
 
 #![allow(dead_code)]
 
+pub mod model;
+
 use invertex::attribute::{AttributeSet, Material, Pixels, Sampler, SlotBinding, TextureSet};
 use invertex::mesh::Mesh;
 use invertex::render::{Camera, Picture, Projection};
