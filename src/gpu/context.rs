@@ -4,10 +4,11 @@
 //! the instance.
 
 use super::bind::SetPools;
-use super::debug::{Labels, Messages, Messenger};
-use super::device::{Candidate, DeviceChoice, DeviceInfo, Host, choose};
+use super::debug::Labels;
+use super::device::{Candidate, DeviceChoice, DeviceInfo, choose};
 use super::failure;
 use super::foreign::Foreign;
+use super::host::Host;
 use super::memory::{Allocated, Memory};
 use super::pipeline::PipelineStore;
 use super::requirements::requirements;
@@ -42,14 +43,7 @@ pub(super) struct Inner {
     queue: Mutex<vk::Queue>,
     physical_device: vk::PhysicalDevice,
     instance: ash::Instance,
-    owned: Option<Owned>,
-}
-
-/// What an own context destroys after its device, and a foreign one does not have.
-struct Owned {
-    messenger: Option<Messenger>,
-    /// Keeps the loader's library in memory; goes last.
-    _entry: ash::Entry,
+    owned: Option<Host>,
 }
 
 impl Context {
@@ -57,27 +51,13 @@ impl Context {
     /// [`Error::Requirement`] when that one lacks something.
     pub fn new(options: &ContextOptions) -> Result<Self> {
         let host = Host::new(options.validation)?;
-        let chosen = host
-            .candidates()
-            .and_then(|found| choose(found, &options.device));
-        let opened =
-            chosen.and_then(|chosen| Ok((create_device(&host.instance, &chosen)?, chosen)));
-        let (device, chosen) = match opened {
-            Ok(opened) => opened,
-            Err(error) => {
-                host.destroy();
-                return Err(error);
-            }
-        };
+        let chosen = choose(host.candidates()?, &options.device)?;
+        let device = create_device(&host.instance, &chosen)?;
         let queue_family = chosen.queue_family.unwrap_or(0);
         // SAFETY: the device was made with one queue of this family.
         let queue = unsafe { device.get_device_queue(queue_family, 0) };
-        let messenger = options
-            .validation
-            .then(|| Messenger::new(&host.entry, &host.instance))
-            .transpose()?;
         let foreign = Foreign {
-            instance: host.instance,
+            instance: host.instance.clone(),
             physical_device: chosen.raw,
             device,
             queue,
@@ -88,14 +68,7 @@ impl Context {
             debug_utils: host.debug_utils,
             allocator: None,
         };
-        Context::assemble(
-            foreign,
-            chosen.info,
-            Some(Owned {
-                messenger,
-                _entry: host.entry,
-            }),
-        )
+        Context::assemble(foreign, chosen.info, Some(host))
     }
 
     /// A context on a device that the caller owns and keeps.
@@ -114,7 +87,7 @@ impl Context {
         Context::assemble(foreign, info, None)
     }
 
-    fn assemble(foreign: Foreign, info: DeviceInfo, owned: Option<Owned>) -> Result<Self> {
+    fn assemble(foreign: Foreign, info: DeviceInfo, owned: Option<Host>) -> Result<Self> {
         let Foreign {
             instance,
             physical_device,
@@ -131,7 +104,7 @@ impl Context {
         let (memory, pipelines) = match parts {
             Ok(parts) => parts,
             Err(error) => {
-                destroy_host(&device, &instance, owned);
+                destroy_owned(&device, owned);
                 return Err(error);
             }
         };
@@ -157,15 +130,11 @@ impl Context {
 
     /// What the validation layer has said so far; empty for a foreign device, whose owner has its own messenger.
     pub fn validation_messages(&self) -> Vec<String> {
-        let messenger = self
-            .0
+        self.0
             .owned
             .as_ref()
-            .and_then(|owned| owned.messenger.as_ref());
-        messenger
-            .map(|messenger| messenger.messages.clone())
-            .unwrap_or_else(Messages::default)
-            .all()
+            .map(Host::messages)
+            .unwrap_or_default()
     }
 
     /// Device memory in use now, by name. A shared allocator reports its other users too.
@@ -225,19 +194,15 @@ impl Drop for Inner {
             }
             ManuallyDrop::drop(&mut self.memory);
         }
-        destroy_host(&self.device, &self.instance, self.owned.take());
+        destroy_owned(&self.device, self.owned.take());
     }
 }
 
-/// Destroys device, messenger and instance, in this order, if they are our own.
-fn destroy_host(device: &ash::Device, instance: &ash::Instance, owned: Option<Owned>) {
-    if let Some(owned) = owned {
-        // SAFETY: everything made from the device is gone; then everything made from the instance is.
-        unsafe {
-            device.destroy_device(None);
-            drop(owned.messenger);
-            instance.destroy_instance(None);
-        }
+/// Destroys the device, then messenger and instance, if they are our own.
+fn destroy_owned(device: &ash::Device, owned: Option<Host>) {
+    if owned.is_some() {
+        // SAFETY: everything made from the device is gone.
+        unsafe { device.destroy_device(None) };
     }
 }
 

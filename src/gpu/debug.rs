@@ -6,33 +6,20 @@ use crate::Result;
 use ash::ext::debug_utils;
 use ash::vk::{self, Handle};
 use std::ffi::{CStr, CString, c_void};
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// Messages of the validation layer, in the order they came.
-#[derive(Clone, Default)]
-pub(super) struct Messages(Arc<Mutex<Vec<String>>>);
-
-impl Messages {
-    pub(super) fn all(&self) -> Vec<String> {
-        self.0
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
-    }
-}
+use std::sync::{Mutex, PoisonError};
 
 /// Collects validation messages until dropped; must go before its instance.
 pub(super) struct Messenger {
     loader: debug_utils::Instance,
     raw: vk::DebugUtilsMessengerEXT,
-    /// The address of the vector inside is what the driver calls back with.
-    pub(super) messages: Messages,
+    /// In the order they came. Boxed: its address is what the driver calls back with.
+    messages: Box<Mutex<Vec<String>>>,
 }
 
 impl Messenger {
     pub(super) fn new(entry: &ash::Entry, instance: &ash::Instance) -> Result<Self> {
         let loader = debug_utils::Instance::new(entry, instance);
-        let messages = Messages::default();
+        let messages = Box::<Mutex<Vec<String>>>::default();
         let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
             .message_severity(
                 vk::DebugUtilsMessageSeverityFlagsEXT::WARNING
@@ -40,8 +27,8 @@ impl Messenger {
             )
             .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION)
             .pfn_user_callback(Some(collect))
-            .user_data(Arc::as_ptr(&messages.0).cast_mut().cast());
-        // SAFETY: the callback's data lives in the Arc that this Messenger holds until the messenger is destroyed.
+            .user_data((&raw const *messages).cast_mut().cast());
+        // SAFETY: the callback's data lives in the box that this Messenger holds until the messenger is destroyed.
         let raw = unsafe { loader.create_debug_utils_messenger(&info, None) }
             .map_err(failure::of("vkCreateDebugUtilsMessengerEXT"))?;
         Ok(Messenger {
@@ -49,6 +36,16 @@ impl Messenger {
             raw,
             messages,
         })
+    }
+}
+
+impl Messenger {
+    /// The messages so far.
+    pub(super) fn messages(&self) -> Vec<String> {
+        self.messages
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
     }
 }
 

@@ -1,16 +1,13 @@
-//! Which devices there are and which one to take. In: the Vulkan loader. Out: an instance, a [`DeviceInfo`] for every
-//! physical device with what it lacks, and the choice among them.
+//! Which devices there are and which one to take. In: an instance. Out: a [`DeviceInfo`] for every physical device with
+//! what it lacks, and the choice among them.
 
 use super::failure;
+use super::host::{GET_A_DRIVER, no_device};
 use super::requirements::{Features, Offer, requirements, version};
 use crate::{Error, Result};
 use ash::vk;
 use std::ffi::{CStr, CString};
 use std::str::FromStr;
-
-const GET_A_DRIVER: &str = "install a Vulkan driver (Debian and Ubuntu: `apt install libvulkan1 mesa-vulkan-drivers`, \
-                            which also brings the software device llvmpipe), or use `--device cpu`";
-const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 /// The device to use.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -101,13 +98,6 @@ pub struct Limits {
     pub timestamp_bits: u32,
 }
 
-/// A loader with an instance, not yet a device.
-pub(super) struct Host {
-    pub(super) entry: ash::Entry,
-    pub(super) instance: ash::Instance,
-    pub(super) debug_utils: bool,
-}
-
 /// A physical device with the queue family to use, if it has one.
 pub(super) struct Candidate {
     pub(super) raw: vk::PhysicalDevice,
@@ -115,106 +105,12 @@ pub(super) struct Candidate {
     pub(super) info: DeviceInfo,
 }
 
-/// Every Vulkan device of this machine. [`Error::NoDevice`] when there is no loader or no driver.
-pub fn devices() -> Result<Vec<DeviceInfo>> {
-    let host = Host::new(false)?;
-    let found = host.candidates();
-    host.destroy();
-    Ok(found?.into_iter().map(|candidate| candidate.info).collect())
-}
-
-impl Host {
-    pub(super) fn new(validation: bool) -> Result<Self> {
-        // SAFETY: loading the system's Vulkan loader runs its initialisers, which is what asking for Vulkan means.
-        let entry = unsafe { ash::Entry::load() }.map_err(|error| {
-            no_device(format!(
-                "the Vulkan loader cannot be loaded ({error}); {GET_A_DRIVER}"
-            ))
-        })?;
-        // SAFETY: plain queries.
-        let (extensions, layers) = unsafe {
-            (
-                entry
-                    .enumerate_instance_extension_properties(None)
-                    .map_err(no_instance)?,
-                entry
-                    .enumerate_instance_layer_properties()
-                    .map_err(no_instance)?,
-            )
-        };
-        if validation
-            && !layers
-                .iter()
-                .any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER))
-        {
-            let missing = "VK_LAYER_KHRONOS_validation (Debian and Ubuntu: `apt install vulkan-validationlayers`)";
-            return Err(Error::Requirement {
-                device: "the Vulkan loader".to_owned(),
-                missing: missing.to_owned(),
-            });
-        }
-        let debug_name = ash::ext::debug_utils::NAME;
-        let has_debug = extensions
-            .iter()
-            .any(|one| one.extension_name_as_c_str() == Ok(debug_name));
-        // With validation on, the layer provides the extension.
-        let debug_utils = has_debug || validation;
-        let instance = create_instance(&entry, debug_utils, validation)?;
-        Ok(Host {
-            entry,
-            instance,
-            debug_utils,
-        })
-    }
-
-    pub(super) fn destroy(self) {
-        // SAFETY: nothing made from the instance is left.
-        unsafe { self.instance.destroy_instance(None) };
-    }
-
-    pub(super) fn candidates(&self) -> Result<Vec<Candidate>> {
-        // SAFETY: the instance is alive.
-        let physical =
-            unsafe { self.instance.enumerate_physical_devices() }.map_err(no_instance)?;
-        physical
-            .into_iter()
-            .enumerate()
-            .map(|(index, raw)| candidate(&self.instance, index, raw))
-            .collect()
-    }
-}
-
-fn create_instance(
-    entry: &ash::Entry,
-    debug_utils: bool,
-    validation: bool,
-) -> Result<ash::Instance> {
-    let application = vk::ApplicationInfo::default()
-        .application_name(c"invertex")
-        .engine_name(c"invertex")
-        .api_version(requirements().api_version);
-    let mut extensions = Vec::new();
-    let mut layers = Vec::new();
-    if debug_utils {
-        extensions.push(ash::ext::debug_utils::NAME.as_ptr());
-    }
-    let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
-    let mut synchronization =
-        vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
-    let mut info = vk::InstanceCreateInfo::default().application_info(&application);
-    if validation {
-        layers.push(VALIDATION_LAYER.as_ptr());
-        extensions.push(ash::ext::validation_features::NAME.as_ptr());
-        info = info.push_next(&mut synchronization);
-    }
-    let info = info
-        .enabled_extension_names(&extensions)
-        .enabled_layer_names(&layers);
-    // SAFETY: the names are static and everything `info` points to outlives the call.
-    unsafe { entry.create_instance(&info, None) }.map_err(no_instance)
-}
-
-fn candidate(instance: &ash::Instance, index: usize, raw: vk::PhysicalDevice) -> Result<Candidate> {
+/// What is known of the `index`th physical device.
+pub(super) fn candidate(
+    instance: &ash::Instance,
+    index: usize,
+    raw: vk::PhysicalDevice,
+) -> Result<Candidate> {
     // SAFETY: `raw` comes from `instance`.
     let core = unsafe { instance.get_physical_device_properties(raw) };
     let families = queue_families(instance, raw);
@@ -403,14 +299,4 @@ fn driver_text(driver: &vk::PhysicalDeviceDriverProperties<'_>, packed: u32) -> 
 fn text<E>(name: std::result::Result<&CStr, E>) -> String {
     name.map(|name| CString::from(name).to_string_lossy().into_owned())
         .unwrap_or_default()
-}
-
-fn no_device(reason: String) -> Error {
-    Error::NoDevice { reason }
-}
-
-fn no_instance(code: vk::Result) -> Error {
-    no_device(format!(
-        "the Vulkan loader has no driver that works ({code:?}); {GET_A_DRIVER}"
-    ))
 }

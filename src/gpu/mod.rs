@@ -17,6 +17,7 @@ mod draw;
 mod failure;
 mod foreign;
 mod graphics_state;
+mod host;
 mod image;
 mod interface;
 mod memory;
@@ -24,6 +25,7 @@ mod pipeline;
 mod readback;
 mod recorder;
 mod requirements;
+mod submit;
 mod timing;
 
 /// The shaders of `glsl/`, one module per pass, generated from reflection.
@@ -36,10 +38,11 @@ pub use ash::{self, vk};
 pub use bind::Bound;
 pub use buffer::{Buffer, BufferKind};
 pub use context::{Context, ContextOptions};
-pub use device::{DeviceChoice, DeviceInfo, DeviceKind, Limits, devices};
+pub use device::{DeviceChoice, DeviceInfo, DeviceKind, Limits};
 pub use draw::{Clear, GraphicsPass};
 pub use foreign::Foreign;
 pub use gpu_allocator;
+pub use host::devices;
 pub use image::{Image, ImageOptions, Sampler, SamplerOptions};
 pub use interface::{
     ComputeShader, GraphicsShader, Resource, ShaderInterface, Slot, SlotKind, Stage,

@@ -1,5 +1,6 @@
 //! The recorder: a pass is one call. In: bound pipelines and buffers. Out: commands, each pass with its label, a full
-//! barrier before it and a time stamp after it; [`Context::run`] submits them and waits.
+//! barrier before it and a time stamp after it. Nothing here submits, waits or, over a foreign command
+//! buffer, allocates.
 //!
 //! There is one memory barrier at every pass boundary, for all stages and all accesses. It costs overlap between passes
 //! that do not depend on each other; it cannot be forgotten.
@@ -7,10 +8,9 @@
 use super::bind::{Bound, Held};
 use super::buffer::Buffer;
 use super::context::Context;
-use super::failure;
 use super::image::Image;
 use super::interface::{ComputeShader, ShaderInterface};
-use super::timing::{Stamps, Timings};
+use super::submit::OwnCommands;
 use crate::{Error, Result};
 use ash::vk;
 
@@ -18,21 +18,14 @@ use ash::vk;
 pub struct Recorder {
     pub(super) context: Context,
     pub(super) commands: vk::CommandBuffer,
-    name: String,
-    own: Option<Own>,
-    passes: Vec<String>,
+    pub(super) name: String,
+    pub(super) own: Option<OwnCommands>,
+    pub(super) passes: Vec<String>,
     held: Vec<Held>,
     /// The first thing that went wrong; recording calls give nothing back, `run` and `finish` do.
-    failure: Option<Error>,
+    pub(super) failure: Option<Error>,
     /// Off only in the test that shows what synchronization validation says without barriers.
     barriers: bool,
-}
-
-/// What a recorder with its own command buffer destroys.
-struct Own {
-    context: Context,
-    pool: vk::CommandPool,
-    stamps: Stamps,
 }
 
 /// Keeps the resources of recorded passes alive. An embedder drops it when the device is done with its submission.
@@ -41,92 +34,13 @@ pub struct InUse {
     _held: Vec<Held>,
 }
 
-impl Context {
-    /// A recorder with a command buffer of its own, for [`Context::run`].
-    pub fn recorder(&self, name: &str) -> Result<Recorder> {
-        let device = &self.0.device;
-        let info = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(self.0.queue_family)
-            .flags(vk::CommandPoolCreateFlags::TRANSIENT);
-        // SAFETY: the family is the device's.
-        let pool = unsafe { device.create_command_pool(&info, None) }
-            .map_err(failure::of("vkCreateCommandPool"))?;
-        // From here on the pool destroys itself when something fails.
-        let own = Own {
-            context: self.clone(),
-            pool,
-            stamps: Stamps::new(self),
-        };
-        let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(pool)
-            .command_buffer_count(1);
-        let begin = vk::CommandBufferBeginInfo::default()
-            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the pool was just made and is used by this recorder alone.
-        let commands = unsafe { device.allocate_command_buffers(&info) }
-            .map_err(failure::of("vkAllocateCommandBuffers"))?[0];
-        // SAFETY: the command buffer was just made.
-        unsafe { device.begin_command_buffer(commands, &begin) }
-            .map_err(failure::of("vkBeginCommandBuffer"))?;
-        let mut recorder = Recorder::over(self, commands, name, Some(own));
-        recorder.stamp();
-        Ok(recorder)
-    }
-
-    /// Submits what was recorded, waits for it, and says how long each pass took.
-    ///
-    /// [`Error::DeviceLost`] names the recorder; an error of a recording call comes out here.
-    pub fn run(&self, mut recorder: Recorder) -> Result<Timings> {
-        assert!(
-            recorder.context.same(self),
-            "{}: recorded for another context",
-            recorder.name
-        );
-        if let Some(failure) = recorder.failure.take() {
-            return Err(failure);
-        }
-        let device = &self.0.device;
-        recorder.barrier_to_host();
-        // SAFETY: recording is over; every pass closed what it opened.
-        unsafe { device.end_command_buffer(recorder.commands) }
-            .map_err(failure::of("vkEndCommandBuffer"))?;
-        // SAFETY: a plain fence.
-        let fence = unsafe { device.create_fence(&vk::FenceCreateInfo::default(), None) }
-            .map_err(failure::of("vkCreateFence"))?;
-        let done = self.submit_and_wait(recorder.commands, fence);
-        // SAFETY: the wait is over, by success or by the loss of the device.
-        unsafe { device.destroy_fence(fence, None) };
-        done.map_err(|error| match error {
-            Error::DeviceLost { .. } => Error::DeviceLost {
-                during: recorder.name.clone(),
-            },
-            other => other,
-        })?;
-        let names = std::mem::take(&mut recorder.passes);
-        match &recorder.own {
-            Some(own) => own.stamps.read(names),
-            None => Ok(Timings::default()),
-        }
-    }
-
-    fn submit_and_wait(&self, commands: vk::CommandBuffer, fence: vk::Fence) -> Result<()> {
-        let device = &self.0.device;
-        let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
-        let submits = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
-        {
-            let queue = self.queue();
-            // SAFETY: the lock keeps our other threads from the queue; the command buffer is complete.
-            unsafe { device.queue_submit2(*queue, &submits, fence) }
-                .map_err(failure::of("vkQueueSubmit2"))?;
-        }
-        // SAFETY: the fence was submitted.
-        unsafe { device.wait_for_fences(&[fence], true, u64::MAX) }
-            .map_err(failure::of("vkWaitForFences"))
-    }
-}
-
 impl Recorder {
-    fn over(context: &Context, commands: vk::CommandBuffer, name: &str, own: Option<Own>) -> Self {
+    pub(super) fn over(
+        context: &Context,
+        commands: vk::CommandBuffer,
+        name: &str,
+        own: Option<OwnCommands>,
+    ) -> Self {
         Recorder {
             context: context.clone(),
             commands,
@@ -348,7 +262,7 @@ impl Recorder {
         };
     }
 
-    fn barrier_to_host(&self) {
+    pub(super) fn barrier_to_host(&self) {
         self.barrier(vk::PipelineStageFlags2::HOST, vk::AccessFlags2::HOST_READ);
     }
 
@@ -398,19 +312,12 @@ impl Recorder {
         &self.context.0.device
     }
 
-    fn stamp(&mut self) {
+    pub(super) fn stamp(&mut self) {
         let Some(own) = &mut self.own else { return };
         // SAFETY: the own command buffer is being recorded, and passes end outside render passes.
         if let Err(error) = unsafe { own.stamps.write(self.commands) } {
             self.fail(error);
         }
-    }
-}
-
-impl Drop for Own {
-    fn drop(&mut self) {
-        // SAFETY: what was submitted has been waited for; the pool frees its command buffer.
-        unsafe { self.context.0.device.destroy_command_pool(self.pool, None) };
     }
 }
 

@@ -81,7 +81,7 @@ impl Stamps {
     }
 
     /// The durations between stamps, after the work has finished.
-    pub(super) fn read(&self, names: Vec<String>) -> Result<Timings> {
+    pub(super) fn read(&self, names: &[String]) -> Result<Timings> {
         let mut ticks = Vec::with_capacity(self.written as usize);
         for pool in &self.pools {
             let left = self.written - ticks.len() as u32;
@@ -108,10 +108,10 @@ impl Stamps {
             _ => 0,
         };
         let total = elapsed(0, names.len());
-        let timed = names.into_iter().enumerate();
+        let timed = names.iter().enumerate();
         let passes = timed
             .map(|(at, name)| PassTime {
-                name,
+                name: name.clone(),
                 nanoseconds: elapsed(at, at + 1),
             })
             .collect();
