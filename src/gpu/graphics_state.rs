@@ -2,7 +2,9 @@
 //! no vertex buffers, no blending, one sample, dynamic viewport and scissor, dynamic rendering.
 
 use super::context::Inner;
+use super::failure;
 use super::pipeline::GraphicsOptions;
+use crate::Result;
 use ash::vk;
 
 impl Inner {
@@ -12,7 +14,7 @@ impl Inner {
         layout: vk::PipelineLayout,
         stages: &[vk::PipelineShaderStageCreateInfo<'_>],
         options: &GraphicsOptions<'_>,
-    ) -> Result<Vec<vk::Pipeline>, vk::Result> {
+    ) -> Result<vk::Pipeline> {
         let vertices = vk::PipelineVertexInputStateCreateInfo::default();
         let assembly =
             vk::PipelineInputAssemblyStateCreateInfo::default().topology(options.topology);
@@ -52,7 +54,8 @@ impl Inner {
             .layout(layout)
             .push_next(&mut rendering);
         // SAFETY: stages and layout are alive and were made for each other by reflection; all state outlives the call.
-        unsafe { self.device.create_graphics_pipelines(cache, &[info], None) }
-            .map_err(|(_, code)| code)
+        let made = unsafe { self.device.create_graphics_pipelines(cache, &[info], None) };
+        made.map(|pipelines| pipelines[0])
+            .map_err(|(_, code)| failure::of("vkCreateGraphicsPipelines")(code))
     }
 }

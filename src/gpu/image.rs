@@ -150,7 +150,7 @@ impl Context {
         self.0.labels.name(raw, name);
         let image = Image(Arc::new(image));
         let mut recorder = self.recorder("make image")?;
-        recorder.into_general(&image);
+        recorder.initialise(&image);
         self.run(recorder)?;
         Ok(image)
     }

@@ -1,7 +1,7 @@
 //! Pipelines. In: a generated `Shader` type, specialization constants, graphics state. Out: [`Pipeline`], made once per
 //! context and kept there. Layouts come from reflection; set 0 only.
 
-use super::context::Context;
+use super::context::{Context, Inner};
 use super::failure;
 use super::interface::{ComputeShader, GraphicsShader, ShaderInterface, Slot, Stage};
 use crate::{Error, Result};
@@ -47,13 +47,8 @@ pub struct GraphicsOptions<'a> {
 struct Key {
     shader: &'static str,
     constants: Vec<(u32, u32)>,
-    graphics: Option<(
-        Vec<vk::Format>,
-        Option<vk::Format>,
-        vk::PrimitiveTopology,
-        vk::CullModeFlags,
-        bool,
-    )>,
+    /// The colour formats, and the rest of the state.
+    graphics: Option<(Vec<vk::Format>, GraphicsOptions<'static>)>,
 }
 
 /// The pipelines of a context and the driver's cache behind them.
@@ -86,14 +81,7 @@ impl Context {
             constants: constants.to_vec(),
             graphics: None,
         };
-        self.pipeline::<S>(key, |cache, layout, stages| {
-            let info = vk::ComputePipelineCreateInfo::default()
-                .stage(stages[0])
-                .layout(layout);
-            // SAFETY: stage and layout are alive and were made for each other by reflection.
-            unsafe { self.0.device.create_compute_pipelines(cache, &[info], None) }
-                .map_err(|(_, code)| code)
-        })
+        self.pipeline::<S>(key, None)
     }
 
     /// The graphics pipeline of `S` for these attachments and this state. Viewport and scissor are the whole target.
@@ -101,41 +89,29 @@ impl Context {
         &self,
         options: &GraphicsOptions<'_>,
     ) -> Result<Pipeline<S>> {
-        let o = options;
-        let state = (
-            o.color_formats.to_vec(),
-            o.depth,
-            o.topology,
-            o.cull,
-            o.depth_test,
-        );
+        let state = GraphicsOptions {
+            color_formats: &[],
+            ..*options
+        };
         let key = Key {
             shader: S::NAME,
             constants: Vec::new(),
-            graphics: Some(state),
+            graphics: Some((options.color_formats.to_vec(), state)),
         };
-        self.pipeline::<S>(key, |cache, layout, stages| {
-            self.0.create_graphics(cache, layout, stages, options)
-        })
+        self.pipeline::<S>(key, Some(options))
     }
 
     fn pipeline<S: ShaderInterface>(
         &self,
         key: Key,
-        create: impl FnOnce(
-            vk::PipelineCache,
-            vk::PipelineLayout,
-            &[vk::PipelineShaderStageCreateInfo<'_>],
-        ) -> Result<Vec<vk::Pipeline>, vk::Result>,
+        graphics: Option<&GraphicsOptions<'_>>,
     ) -> Result<Pipeline<S>> {
         let store = &self.0.pipelines;
         let mut made = store.made.lock().unwrap_or_else(PoisonError::into_inner);
         let raw = match made.get(&key) {
             Some(raw) => raw.clone(),
             None => {
-                let raw = Arc::new(build::<S>(self, &key.constants, |layout, stages| {
-                    create(store.cache, layout, stages)
-                })?);
+                let raw = Arc::new(self.0.create_pipeline::<S>(&key.constants, graphics)?);
                 self.0.labels.name(raw.pipeline, S::NAME);
                 made.insert(key, raw.clone());
                 raw
@@ -149,95 +125,100 @@ impl Context {
     }
 }
 
-/// Makes layouts, modules and the pipeline; gives back what was made when a step fails.
-fn build<S: ShaderInterface>(
-    context: &Context,
-    constants: &[(u32, u32)],
-    create: impl FnOnce(
-        vk::PipelineLayout,
-        &[vk::PipelineShaderStageCreateInfo<'_>],
-    ) -> Result<Vec<vk::Pipeline>, vk::Result>,
-) -> Result<RawPipeline> {
-    let device = &context.0.device;
-    let mut raw = RawPipeline {
-        pipeline: vk::Pipeline::null(),
-        layout: vk::PipelineLayout::null(),
-        set_layout: vk::DescriptorSetLayout::null(),
-        push_stages: S::PUSH_STAGES,
-        bind_point: match S::STAGES {
-            [
-                Stage {
-                    flags: vk::ShaderStageFlags::COMPUTE,
-                    ..
-                },
-            ] => vk::PipelineBindPoint::COMPUTE,
-            _ => vk::PipelineBindPoint::GRAPHICS,
-        },
-    };
-    let mut modules = Vec::new();
-    let result = fill::<S>(device, constants, create, &mut raw, &mut modules);
-    // SAFETY: modules are not needed once the pipeline is made; on failure nothing refers to the layouts either.
-    unsafe {
-        for module in modules {
-            device.destroy_shader_module(module, None);
+impl Inner {
+    /// Makes layouts, modules and the pipeline; gives back what was made when a step fails.
+    fn create_pipeline<S: ShaderInterface>(
+        &self,
+        constants: &[(u32, u32)],
+        graphics: Option<&GraphicsOptions<'_>>,
+    ) -> Result<RawPipeline> {
+        let mut raw = RawPipeline {
+            pipeline: vk::Pipeline::null(),
+            layout: vk::PipelineLayout::null(),
+            set_layout: vk::DescriptorSetLayout::null(),
+            push_stages: S::PUSH_STAGES,
+            bind_point: match graphics {
+                None => vk::PipelineBindPoint::COMPUTE,
+                Some(_) => vk::PipelineBindPoint::GRAPHICS,
+            },
+        };
+        let mut modules = Vec::new();
+        let result = self.fill::<S>(constants, graphics, &mut raw, &mut modules);
+        // SAFETY: modules are not needed once the pipeline is made; on failure nothing refers to the layouts either.
+        unsafe {
+            for module in modules {
+                self.device.destroy_shader_module(module, None);
+            }
+            if result.is_err() {
+                raw.destroy(&self.device);
+            }
         }
-        if result.is_err() {
-            raw.destroy(device);
-        }
+        result.map(|()| raw)
     }
-    result.map(|()| raw)
+
+    fn fill<S: ShaderInterface>(
+        &self,
+        constants: &[(u32, u32)],
+        graphics: Option<&GraphicsOptions<'_>>,
+        raw: &mut RawPipeline,
+        modules: &mut Vec<vk::ShaderModule>,
+    ) -> Result<()> {
+        raw.set_layout = set_layout(&self.device, S::SLOTS)?;
+        let push_bytes = size_of::<S::Push>() as u32;
+        raw.layout = pipeline_layout(&self.device, raw.set_layout, S::PUSH_STAGES, push_bytes)?;
+        for stage in S::STAGES {
+            modules.push(shader_module(&self.device, stage)?);
+        }
+        let values: Vec<u8> = constants
+            .iter()
+            .flat_map(|(_, value)| value.to_ne_bytes())
+            .collect();
+        let entries: Vec<_> = constants.iter().enumerate().map(constant_entry).collect();
+        let specialization = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(&values);
+        let stages: Vec<_> = S::STAGES
+            .iter()
+            .zip(modules.iter())
+            .map(|(stage, module)| {
+                vk::PipelineShaderStageCreateInfo::default()
+                    .stage(stage.flags)
+                    .module(*module)
+                    .name(c"main")
+                    .specialization_info(&specialization)
+            })
+            .collect();
+        let cache = self.pipelines.cache;
+        raw.pipeline = match graphics {
+            None => self.create_compute(cache, raw.layout, stages[0]),
+            Some(options) => self.create_graphics(cache, raw.layout, &stages, options),
+        }?;
+        Ok(())
+    }
+
+    fn create_compute(
+        &self,
+        cache: vk::PipelineCache,
+        layout: vk::PipelineLayout,
+        stage: vk::PipelineShaderStageCreateInfo<'_>,
+    ) -> Result<vk::Pipeline> {
+        let info = [vk::ComputePipelineCreateInfo::default()
+            .stage(stage)
+            .layout(layout)];
+        // SAFETY: stage and layout are alive and were made for each other by reflection.
+        let made = unsafe { self.device.create_compute_pipelines(cache, &info, None) };
+        made.map(|pipelines| pipelines[0])
+            .map_err(|(_, code)| failure::of("vkCreateComputePipelines")(code))
+    }
 }
 
-fn fill<S: ShaderInterface>(
-    device: &ash::Device,
-    constants: &[(u32, u32)],
-    create: impl FnOnce(
-        vk::PipelineLayout,
-        &[vk::PipelineShaderStageCreateInfo<'_>],
-    ) -> Result<Vec<vk::Pipeline>, vk::Result>,
-    raw: &mut RawPipeline,
-    modules: &mut Vec<vk::ShaderModule>,
-) -> Result<()> {
-    raw.set_layout = set_layout(device, S::SLOTS)?;
-    raw.layout = pipeline_layout(
-        device,
-        raw.set_layout,
-        S::PUSH_STAGES,
-        size_of::<S::Push>() as u32,
-    )?;
-    for stage in S::STAGES {
-        modules.push(shader_module(device, stage)?);
+/// Where the value of the `index`th constant stands.
+fn constant_entry((index, (id, _)): (usize, &(u32, u32))) -> vk::SpecializationMapEntry {
+    vk::SpecializationMapEntry {
+        constant_id: *id,
+        offset: 4 * index as u32,
+        size: 4,
     }
-    let values: Vec<u8> = constants
-        .iter()
-        .flat_map(|(_, value)| value.to_ne_bytes())
-        .collect();
-    let entries: Vec<vk::SpecializationMapEntry> = constants
-        .iter()
-        .enumerate()
-        .map(|(at, (id, _))| vk::SpecializationMapEntry {
-            constant_id: *id,
-            offset: 4 * at as u32,
-            size: 4,
-        })
-        .collect();
-    let specialization = vk::SpecializationInfo::default()
-        .map_entries(&entries)
-        .data(&values);
-    let stages: Vec<vk::PipelineShaderStageCreateInfo<'_>> = S::STAGES
-        .iter()
-        .zip(modules.iter())
-        .map(|(stage, module)| {
-            vk::PipelineShaderStageCreateInfo::default()
-                .stage(stage.flags)
-                .module(*module)
-                .name(c"main")
-                .specialization_info(&specialization)
-        })
-        .collect();
-    let pipelines = create(raw.layout, &stages).map_err(failure::of("vkCreatePipelines"))?;
-    raw.pipeline = pipelines[0];
-    Ok(())
 }
 
 /// The layout of set 0.

@@ -267,7 +267,7 @@ impl Recorder {
     }
 
     /// Takes a new image from UNDEFINED to GENERAL, where it stays.
-    pub(super) fn into_general(&mut self, image: &Image) {
+    pub(super) fn initialise(&mut self, image: &Image) {
         self.hold(Held::Image(image.clone()));
         let range = vk::ImageSubresourceRange::default()
             .aspect_mask(image.aspect())
