@@ -1,0 +1,64 @@
+#version 460
+// Sorts each texel's list by triangle and drops doubles; writes the length that is left.
+layout(local_size_x = 64) in;
+
+layout(std430, binding = 0) readonly buffer Starts { uint words[]; } starts;
+layout(std430, binding = 1) buffer Lists { uint words[]; } lists;
+layout(std430, binding = 2) writeonly buffer Lengths { uint words[]; } lengths;
+layout(push_constant) uniform Push { uint texels; } push;
+
+void sift(uint base, uint root, uint count) {
+    uint value = lists.words[base + root];
+    while (true) {
+        uint child = 2u * root + 1u;
+        if (child >= count) break;
+        uint larger = lists.words[base + child];
+        if (child + 1u < count && lists.words[base + child + 1u] > larger) {
+            child++;
+            larger = lists.words[base + child];
+        }
+        if (larger <= value) break;
+        lists.words[base + root] = larger;
+        root = child;
+    }
+    lists.words[base + root] = value;
+}
+
+void heap_sort(uint base, uint count) {
+    for (uint i = count / 2u; i > 0u; i--) sift(base, i - 1u, count);
+    for (uint end = count - 1u; end > 0u; end--) {
+        uint top = lists.words[base];
+        lists.words[base] = lists.words[base + end];
+        lists.words[base + end] = top;
+        sift(base, 0u, end);
+    }
+}
+
+void insertion_sort(uint base, uint count) {
+    for (uint i = 1u; i < count; i++) {
+        uint value = lists.words[base + i];
+        uint at = i;
+        while (at > 0u && lists.words[base + at - 1u] > value) {
+            lists.words[base + at] = lists.words[base + at - 1u];
+            at--;
+        }
+        lists.words[base + at] = value;
+    }
+}
+
+void main() {
+    uint t = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
+    if (t >= push.texels) return;
+    uint base = starts.words[t], count = starts.words[t + 1u] - base;
+    if (count > 24u) heap_sort(base, count);
+    else if (count > 1u) insertion_sort(base, count);
+    uint kept = 0u;
+    for (uint i = 0u; i < count; i++) {
+        uint value = lists.words[base + i];
+        if (kept == 0u || lists.words[base + kept - 1u] != value) {
+            if (kept != i) lists.words[base + kept] = value;
+            kept++;
+        }
+    }
+    lengths.words[t] = kept;
+}
