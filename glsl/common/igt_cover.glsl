@@ -157,8 +157,8 @@ uint igt_mark(int s) {
 }
 
 bool igt_one_side(uvec3 marks) {
-    uint common = marks.x & marks.y & marks.z;
-    return common != 0u;
+    uint either = marks.x & marks.y & marks.z;
+    return either != 0u;
 }
 
 bool igt_touches_square(uint bits, ivec3 v[3], uvec2 texel) {

@@ -2,7 +2,7 @@
 //!
 //! In: a [`Reference`], LoDs, options. Out: [`Tables`].
 
-use super::cover::{Toucher, boxes};
+use super::cover::{SEVERAL_OCTANTS, Toucher, boxes};
 use super::gutter::{self, Needs};
 use super::layout::{self, EMPTY, LAST, LONG};
 use super::{BuildOptions, Layout, Reference, Stats, Tables};
@@ -59,7 +59,7 @@ pub(super) fn for_each_texel(
     mut visit: impl FnMut(u32),
 ) {
     let (boxes, count) = boxes(line, bits, triangle);
-    if count == 1 && boxes[0].area() == 1 {
+    if count == 1 && boxes[0].area() == 1 && boxes[0].octant & SEVERAL_OCTANTS == 0 {
         // The commonest case at coarse resolutions: nothing to test.
         let [x, y] = boxes[0].texel(bits, 0);
         return visit(y << bits | x);

@@ -13,6 +13,8 @@
 
 mod build;
 pub mod cover;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod gutter;
 pub mod layout;
 mod lookup;
