@@ -117,7 +117,7 @@ impl<'a> Elements<'a> {
 }
 
 /// Reads the accessors of one document.
-pub(super) struct Reader<'a> {
+pub(crate) struct Reader<'a> {
     pub(super) file: &'a str,
     accessors: &'a [Accessor],
     views: &'a [View],
@@ -150,7 +150,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Takes `count` elements of `size` bytes off the budget, before they are allocated.
-    pub(super) fn charge(
+    pub(crate) fn charge(
         &self,
         count: usize,
         size: usize,
@@ -341,7 +341,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Errors
     /// [`Error::Input`] naming the accessor, and the element where a value is not finite.
-    pub(super) fn floats<const N: usize>(
+    pub(crate) fn floats<const N: usize>(
         &self,
         index: usize,
         user: impl FnOnce() -> String,
@@ -359,7 +359,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Accessor `index` as unsigned integers.
-    pub(super) fn unsigned<const N: usize>(
+    pub(crate) fn unsigned<const N: usize>(
         &self,
         index: usize,
         user: impl FnOnce() -> String,

@@ -45,6 +45,7 @@ pub(super) fn gather(
     bin: Option<&[u8]>,
     resolver: &mut Resolver,
 ) -> Result<(Document, Vec<View>)> {
+    tidy(&mut json);
     let buffers = resolve_buffers(file, root, bin, resolver)?;
     let mut views = check_views(file, &root.buffer_views, &buffers)?;
     let inside = root.buffers.len() == 1 && root.buffers[0].uri.is_none();
@@ -76,6 +77,22 @@ pub(super) fn gather(
         },
         views,
     ))
+}
+
+/// Removes `extensions` objects without anything in them, which glTF does not allow, where a build adds to them: what a
+/// build added can then be told from what was there.
+fn tidy(json: &mut Value) {
+    let prune = |object: &mut Value| {
+        if let Some(object) = object.as_object_mut()
+            && object.get("extensions").and_then(Value::as_object).is_some_and(serde_json::Map::is_empty)
+        {
+            object.remove("extensions");
+        }
+    };
+    prune(json);
+    for key in ["meshes", "nodes"] {
+        json.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten().for_each(prune);
+    }
 }
 
 /// Bytes of every buffer, each cut to the length it claims.

@@ -8,7 +8,7 @@
 
 use crate::{Error, Result};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -47,12 +47,16 @@ pub(super) struct NodeJson {
     pub(super) translation: Option<[f64; 3]>,
     pub(super) rotation: Option<[f64; 4]>,
     pub(super) scale: Option<[f64; 3]>,
+    #[serde(rename = "extensions")]
+    _extensions: BTreeMap<String, IgnoredAny>,
 }
 
 #[derive(Deserialize)]
 pub(super) struct MeshJson {
     pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
+    #[serde(default, rename = "extensions")]
+    _extensions: BTreeMap<String, IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -240,6 +244,14 @@ pub(super) fn parse(file: &str, json: &Value) -> Result<Root> {
             Some(index as usize)
         }
     };
+    if json.get("extensions").is_some_and(|e| !e.is_object()) {
+        return Err(Error::input(file, "extensions", "is not an object"));
+    }
+    for key in ["extensionsUsed", "extensionsRequired"] {
+        if json.get(key).is_some_and(|e| !e.is_array()) {
+            return Err(Error::input(file, key, "is not an array"));
+        }
+    }
     Ok(Root {
         scene,
         scenes: list(file, json, "scenes")?,

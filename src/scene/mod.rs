@@ -24,6 +24,7 @@ mod resource;
 mod vertex;
 
 pub use animation::{Animation, Channel, Interpolation, Property, Skin, Track};
+pub(crate) use accessor::Reader;
 pub use document::Document;
 pub(crate) use document::array;
 pub use image::{Image, MAX_ALLOCATION, MAX_SIDE, TextureUse};
@@ -90,58 +91,7 @@ impl Scene {
     /// # Errors
     /// [`Error::Input`] naming the element and the reason.
     pub fn from_bytes(name: &str, bytes: &[u8], root: Option<&Path>) -> Result<Scene> {
-        let container = container::open(name, bytes)?;
-        let bin = container.bin;
-        Scene::from_json(name, container.json, bin, root, bytes.len() as u64)
-    }
-
-    /// Reads a model from its document; `bytes` is the size of the file it came from.
-    pub(crate) fn from_json(
-        name: &str,
-        json: serde_json::Value,
-        bin: Option<&[u8]>,
-        folder: Option<&Path>,
-        bytes: u64,
-    ) -> Result<Scene> {
-        check_asset(name, &json)?;
-        let root = json::parse(name, &json)?;
-        let mut resolver = resource::Resolver::new(name, folder);
-        let (document, views) = document::gather(name, json, &root, bin, &mut resolver)?;
-        let binary = Arc::clone(&document.binary);
-        let size = bytes.max(binary.len() as u64);
-        let reader = accessor::Reader::new(name, &root.accessors, &views, &binary, size);
-        reader.check_all()?;
-        let mut warnings = Vec::new();
-        let mut materials = material::materials(name, &root)?;
-        let (nodes, roots) = node::nodes(name, &root, &mut warnings)?;
-        let mut reading = primitive::Meshes {
-            reader: &reader,
-            root: &root,
-            materials: &materials,
-            warnings: &mut warnings,
-            default_material_used: false,
-        };
-        let meshes = reading.all()?;
-        if reading.default_material_used {
-            materials.push(Material::default());
-        }
-        let scene = Scene {
-            name: name.into(),
-            textures: material::textures(name, &root, &mut warnings)?,
-            images: images(name, &root, &views, &document, &mut warnings)?,
-            samplers: material::samplers(name, &root)?,
-            skins: animation::skins(&reader, &root)?,
-            animations: animation::animations(&reader, &root)?,
-            world: node::world_matrices(name, &nodes)?,
-            meshes,
-            materials,
-            nodes,
-            roots,
-            warnings,
-            document,
-        };
-        scene.check_joints()?;
-        Ok(scene)
+        Opened::new(name, bytes, root)?.into_scene()
     }
 
     /// Every mesh of the default scene as it stands in the world, in depth-first order of the nodes. Meshes without
@@ -203,6 +153,91 @@ impl Scene {
             }
         }
         Ok(())
+    }
+}
+
+/// A document whose JSON, buffers and views have been checked, and whose accessors can be read.
+pub(crate) struct Opened {
+    name: String,
+    root: json::Root,
+    views: Vec<document::View>,
+    /// The document, self-contained.
+    pub(crate) document: Document,
+    /// Size of the file: what memory may grow with.
+    size: u64,
+}
+
+impl Opened {
+    /// Opens a file, as [`Scene::from_bytes`].
+    pub(crate) fn new(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Opened> {
+        let container = container::open(name, bytes)?;
+        Opened::from_json(name, container.json, container.bin, folder, bytes.len() as u64)
+    }
+
+    /// Opens a document; `size` is that of the file it came from.
+    pub(crate) fn from_json(
+        name: &str,
+        json: serde_json::Value,
+        bin: Option<&[u8]>,
+        folder: Option<&Path>,
+        size: u64,
+    ) -> Result<Opened> {
+        check_asset(name, &json)?;
+        let root = json::parse(name, &json)?;
+        let mut resolver = resource::Resolver::new(name, folder);
+        let (document, views) = document::gather(name, json, &root, bin, &mut resolver)?;
+        let size = size.max(document.binary.len() as u64);
+        Ok(Opened { name: name.into(), root, views, document, size })
+    }
+
+    /// Reads its accessors, within a budget of memory of its own.
+    pub(crate) fn reader(&self) -> Reader<'_> {
+        Reader::new(&self.name, &self.root.accessors, &self.views, &self.document.binary, self.size)
+    }
+
+    /// Bytes of a buffer view that `element` names.
+    pub(crate) fn view(&self, index: usize, element: &str) -> Result<&[u8]> {
+        let view = json::at(&self.name, &self.views, "bufferViews", index, || element.into())?;
+        Ok(&self.document.binary[view.start..view.start + view.length])
+    }
+
+    /// Reads everything else.
+    pub(crate) fn into_scene(self) -> Result<Scene> {
+        let Opened { name, root, views, document, size } = self;
+        let binary = Arc::clone(&document.binary);
+        let reader = Reader::new(&name, &root.accessors, &views, &binary, size);
+        reader.check_all()?;
+        let mut warnings = Vec::new();
+        let mut materials = material::materials(&name, &root)?;
+        let (nodes, roots) = node::nodes(&name, &root, &mut warnings)?;
+        let mut reading = primitive::Meshes {
+            reader: &reader,
+            root: &root,
+            materials: &materials,
+            warnings: &mut warnings,
+            default_material_used: false,
+        };
+        let meshes = reading.all()?;
+        if reading.default_material_used {
+            materials.push(Material::default());
+        }
+        let scene = Scene {
+            textures: material::textures(&name, &root, &mut warnings)?,
+            images: images(&name, &root, &views, &document, &mut warnings)?,
+            samplers: material::samplers(&name, &root)?,
+            skins: animation::skins(&reader, &root)?,
+            animations: animation::animations(&reader, &root)?,
+            world: node::world_matrices(&name, &nodes)?,
+            name,
+            meshes,
+            materials,
+            nodes,
+            roots,
+            warnings,
+            document,
+        };
+        scene.check_joints()?;
+        Ok(scene)
     }
 }
 
