@@ -9,10 +9,19 @@ use invertex::param::{Axis, Primary, PrimaryKind};
 fn contexts() -> Vec<Context> {
     let all = devices().expect("a Vulkan loader");
     let usable: Vec<_> = all.iter().filter(|d| d.usable).collect();
-    assert!(!usable.is_empty(), "these tests need a Vulkan device; tools/setup installs one");
+    assert!(
+        !usable.is_empty(),
+        "these tests need a Vulkan device; tools/setup installs one"
+    );
     usable
         .iter()
-        .map(|d| Context::new(&ContextOptions { device: DeviceChoice::Index(d.index), validation: true }).unwrap())
+        .map(|d| {
+            Context::new(&ContextOptions {
+                device: DeviceChoice::Index(d.index),
+                validation: true,
+            })
+            .unwrap()
+        })
         .collect()
 }
 
@@ -33,7 +42,13 @@ fn cases() -> Vec<(Mesh, PrimaryKind)> {
 fn with_holes(mesh: &Mesh) -> Mesh {
     let mut holes = mesh.clone();
     let kept = |i: usize| i % 3 != 1;
-    holes.triangles = mesh.triangles.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, t)| *t).collect();
+    holes.triangles = mesh
+        .triangles
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| kept(*i))
+        .map(|(_, t)| *t)
+        .collect();
     holes.triangle_material = vec![0; holes.triangles.len()];
     holes
 }
@@ -44,17 +59,36 @@ fn every_device_builds_the_bytes_of_the_cpu() {
         for (whole, kind) in cases() {
             let mesh = with_holes(&whole);
             let primary = Primary::centred(kind, &mesh).unwrap();
-            let layer: Vec<u8> = (0..mesh.triangles.len()).map(|i| (i % 5 == 0) as u8).collect();
-            for (layout, hash) in [(Layout::Packed, 64), (Layout::Classic, 64), (Layout::Packed, 4), (Layout::Packed, 256)] {
+            let layer: Vec<u8> = (0..mesh.triangles.len())
+                .map(|i| (i % 5 == 0) as u8)
+                .collect();
+            for (layout, hash) in [
+                (Layout::Packed, 64),
+                (Layout::Classic, 64),
+                (Layout::Packed, 4),
+                (Layout::Packed, 256),
+            ] {
                 let reference = Reference::new(&mesh, &primary, &layer, layout).unwrap();
                 let asking: Vec<u8> = (0..whole.triangles.len()).map(|i| (i % 2) as u8).collect();
-                let t3: Vec<_> = (0..whole.positions.len()).map(|v| primary.to_grid(primary.t3_of(&whole, v))).collect();
-                let lods = [Asking { t3: &t3, triangles: &whole.triangles, layer: &asking }];
+                let t3: Vec<_> = (0..whole.positions.len())
+                    .map(|v| primary.to_grid(primary.t3_of(&whole, v)))
+                    .collect();
+                let lods = [Asking {
+                    t3: &t3,
+                    triangles: &whole.triangles,
+                    layer: &asking,
+                }];
                 let options = BuildOptions { hash, layout };
                 let needs = Needs::of(&reference, &lods, options.bits().unwrap());
                 let cpu = build_cpu(&reference, &needs, options).unwrap();
-                let device = igt::gpu::build(&context, &reference, &needs, options).unwrap().tables;
-                let what = format!("{} {kind} {layout:?} {hash} on {}", mesh.name, context.info().name);
+                let device = igt::gpu::build(&context, &reference, &needs, options)
+                    .unwrap()
+                    .tables;
+                let what = format!(
+                    "{} {kind} {layout:?} {hash} on {}",
+                    mesh.name,
+                    context.info().name
+                );
                 assert_eq!(cpu.stats, device.stats, "{what}");
                 assert!(cpu == device, "{what}: tables differ");
                 assert_eq!(cpu.sha256(), device.sha256(), "{what}");
@@ -69,15 +103,30 @@ fn every_device_builds_the_bytes_of_the_cpu() {
 fn same_answers(context: &Context, tables: &igt::Tables, what: &str) {
     let mut state = 12345u64;
     let mut next = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
         (((state >> 33) as u32) as i32) >> 1
     };
-    let mut points: Vec<[i32; 3]> = (0..3000).map(|_| [next() >> 1, next() >> 1, next() >> 1]).collect();
-    points.extend([[0, 0, 0], [0, 0, 5], [1, 0, 0], [0, -1, 0], [-(1 << 28), 0, 0], [1 << 28, 1 << 28, 0]]);
+    let mut points: Vec<[i32; 3]> = (0..3000)
+        .map(|_| [next() >> 1, next() >> 1, next() >> 1])
+        .collect();
+    points.extend([
+        [0, 0, 0],
+        [0, 0, 5],
+        [1, 0, 0],
+        [0, -1, 0],
+        [-(1 << 28), 0, 0],
+        [1 << 28, 1 << 28, 0],
+    ]);
     for (layer, nearest) in [(None, false), (Some(1), true), (Some(7), true)] {
         let device = igt::gpu::query(context, tables, &points, layer, nearest).unwrap();
         for (q, answer) in points.iter().zip(&device) {
-            assert_eq!(tables.lookup(*q, layer, nearest), *answer, "{what}: {q:?} layer {layer:?}");
+            assert_eq!(
+                tables.lookup(*q, layer, nearest),
+                *answer,
+                "{what}: {q:?} layer {layer:?}"
+            );
         }
     }
 }
@@ -88,7 +137,15 @@ fn a_changed_word_changes_the_sum() {
     let mesh = shapes::grid(4);
     let primary = Primary::centred(PrimaryKind::UvSet(0), &mesh).unwrap();
     let reference = Reference::new(&mesh, &primary, &[0; 32], Layout::Packed).unwrap();
-    let tables = build_cpu(&reference, &Needs::default(), BuildOptions { hash: 8, layout: Layout::Packed }).unwrap();
+    let tables = build_cpu(
+        &reference,
+        &Needs::default(),
+        BuildOptions {
+            hash: 8,
+            layout: Layout::Packed,
+        },
+    )
+    .unwrap();
     for part in 0..3 {
         let mut other = tables.clone();
         [&mut other.hash, &mut other.list, &mut other.triangle][part][0] ^= 1;

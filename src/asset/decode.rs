@@ -21,10 +21,16 @@ const MAX_LODS: usize = 64;
 
 /// Whether bytes look like a built model: a GLB whose JSON names the extension. [`read`] says whether they are one.
 pub fn is_built(bytes: &[u8]) -> bool {
-    let Some(head) = bytes.first_chunk::<20>().filter(|head| head.starts_with(b"glTF")) else { return false };
+    let Some(head) = bytes
+        .first_chunk::<20>()
+        .filter(|head| head.starts_with(b"glTF"))
+    else {
+        return false;
+    };
     let length = u32::from_le_bytes([head[12], head[13], head[14], head[15]]) as usize;
     let text = &bytes[20..bytes.len().min(20usize.saturating_add(length))];
-    text.windows(EXTENSION.len()).any(|window| window == EXTENSION.as_bytes())
+    text.windows(EXTENSION.len())
+        .any(|window| window == EXTENSION.as_bytes())
 }
 
 /// Reads a built model; `name` is what errors call it.
@@ -37,11 +43,19 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Built> {
     let json = &full.document.json;
     let extension = &json["extensions"][EXTENSION];
     if extension.is_null() {
-        return Err(Error::input(name, "extensions", format!("has no {EXTENSION}: not a built model; run build first")));
+        return Err(Error::input(
+            name,
+            "extensions",
+            format!("has no {EXTENSION}: not a built model; run build first"),
+        ));
     }
     let root: RootExtension = parse(name, "extensions", extension)?;
     if root.version != VERSION {
-        return Err(Error::input(name, "extensions", format!("{EXTENSION} version {} is not {VERSION}", root.version)));
+        return Err(Error::input(
+            name,
+            "extensions",
+            format!("{EXTENSION} version {} is not {VERSION}", root.version),
+        ));
     }
     let scene = read_original(name, &full, &root)?;
     let reader = full.reader();
@@ -51,7 +65,14 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Built> {
         if !extension.is_null() {
             let element = format!("meshes[{mesh}]");
             let extension = parse(name, &element, extension)?;
-            let reading = Reading { name, full: &full, reader: &reader, scene: &scene, mesh, element };
+            let reading = Reading {
+                name,
+                full: &full,
+                reader: &reader,
+                scene: &scene,
+                mesh,
+                element,
+            };
             meshes.push(reading.built_mesh(extension)?);
         }
     }
@@ -59,18 +80,32 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Built> {
 }
 
 fn parse<T: for<'de> Deserialize<'de>>(name: &str, element: &str, value: &Value) -> Result<T> {
-    T::deserialize(value).map_err(|e| Error::input(name, format!("{element}.extensions.{EXTENSION}"), e.to_string()))
+    T::deserialize(value).map_err(|e| {
+        Error::input(
+            name,
+            format!("{element}.extensions.{EXTENSION}"),
+            e.to_string(),
+        )
+    })
 }
 
 /// The model as it was before the build.
 fn read_original(name: &str, full: &Opened, root: &RootExtension) -> Result<Scene> {
     let mut json = full.document.json.clone();
     let bad = |what: &str| {
-        Error::input(name, format!("extensions.{EXTENSION}.original"), format!("{what} does not fit the document"))
+        Error::input(
+            name,
+            format!("extensions.{EXTENSION}.original"),
+            format!("{what} does not fit the document"),
+        )
     };
     original::strip(&mut json, &root.original).map_err(bad)?;
     let length = root.original.byte_length.unwrap_or(0);
-    let binary = full.document.binary.get(..length).ok_or_else(|| bad("byteLength"))?;
+    let binary = full
+        .document
+        .binary
+        .get(..length)
+        .ok_or_else(|| bad("byteLength"))?;
     let bin = root.original.byte_length.is_some().then_some(binary);
     Opened::from_json(name, json, bin, None, length as u64)?.into_scene()
 }
@@ -110,38 +145,70 @@ impl Reading<'_> {
             stats: extension.stats,
         };
         let triangles = self.mesh().triangles.len();
-        tables.validate(triangles).map_err(|(element, reason)| self.fault(&element, reason))?;
+        tables
+            .validate(triangles)
+            .map_err(|(element, reason)| self.fault(&element, reason))?;
         if tables.sha256() != extension.tables_sha256 {
-            return Err(self.fault("tablesSha256", "is not that of the tables: the file is damaged"));
+            return Err(self.fault(
+                "tablesSha256",
+                "is not that of the tables: the file is damaged",
+            ));
         }
         let triangle_layer = self.layers("layer", extension.layer, triangles)?;
         let reference = super::reference_sha256(self.mesh(), &tables, &triangle_layer)?;
         if reference != extension.reference_sha256 {
-            return Err(self.fault("referenceSha256", "the tables were built for another mesh; build again"));
+            return Err(self.fault(
+                "referenceSha256",
+                "the tables were built for another mesh; build again",
+            ));
         }
         if extension.lods.len() > MAX_LODS {
-            return Err(self.fault("lods", format!("{} of them, up to {MAX_LODS} are read", extension.lods.len())));
+            return Err(self.fault(
+                "lods",
+                format!(
+                    "{} of them, up to {MAX_LODS} are read",
+                    extension.lods.len()
+                ),
+            ));
         }
-        let lods = extension.lods.iter().enumerate().map(|(k, lod)| self.lod(k, lod)).collect::<Result<_>>()?;
-        Ok(BuiltMesh { mesh: self.mesh, triangle_layer, tables, lods, report: extension.report })
+        let lods = extension
+            .lods
+            .iter()
+            .enumerate()
+            .map(|(k, lod)| self.lod(k, lod))
+            .collect::<Result<_>>()?;
+        Ok(BuiltMesh {
+            mesh: self.mesh,
+            triangle_layer,
+            tables,
+            lods,
+            report: extension.report,
+        })
     }
 
     fn words(&self, what: &str, view: Option<usize>) -> Result<Vec<u32>> {
-        let Some(view) = view else { return Ok(Vec::new()) };
+        let Some(view) = view else {
+            return Ok(Vec::new());
+        };
         let bytes = self.full.view(view, &format!("{}.{what}", self.element))?;
         let (words, []) = bytes.as_chunks::<4>() else {
             return Err(self.fault(what, format!("{} bytes are not whole words", bytes.len())));
         };
-        self.reader.charge(words.len(), 4, || self.element.clone())?;
+        self.reader
+            .charge(words.len(), 4, || self.element.clone())?;
         Ok(words.iter().map(|w| u32::from_le_bytes(*w)).collect())
     }
 
     fn layers(&self, what: &str, view: usize, triangles: usize) -> Result<Vec<u8>> {
         let bytes = self.full.view(view, &format!("{}.{what}", self.element))?;
         if bytes.len() != triangles {
-            return Err(self.fault(what, format!("{} layers for {triangles} triangles", bytes.len())));
+            return Err(self.fault(
+                what,
+                format!("{} layers for {triangles} triangles", bytes.len()),
+            ));
         }
-        self.reader.charge(bytes.len(), 1, || self.element.clone())?;
+        self.reader
+            .charge(bytes.len(), 1, || self.element.clone())?;
         Ok(bytes.to_vec())
     }
 
@@ -149,10 +216,21 @@ impl Reading<'_> {
         let what = format!("lods[{k}]");
         let mesh = &self.full.document.json["meshes"][extension.mesh];
         let Some([primitive]) = mesh["primitives"].as_array().map(Vec::as_slice) else {
-            return Err(self.fault(&what, format!("meshes[{}] is not there or not one primitive", extension.mesh)));
+            return Err(self.fault(
+                &what,
+                format!(
+                    "meshes[{}] is not there or not one primitive",
+                    extension.mesh
+                ),
+            ));
         };
-        let accessor = |name: &str| primitive["attributes"][name].as_u64().map(|index| index as usize);
-        let needed = |name: &str| accessor(name).ok_or_else(|| self.fault(&what, format!("has no {name}")));
+        let accessor = |name: &str| {
+            primitive["attributes"][name]
+                .as_u64()
+                .map(|index| index as usize)
+        };
+        let needed =
+            |name: &str| accessor(name).ok_or_else(|| self.fault(&what, format!("has no {name}")));
         let user = || format!("{}.{what}", self.element);
         let Some(indices) = primitive["indices"].as_u64() else {
             return Err(self.fault(&what, "has no indices"));
@@ -160,17 +238,29 @@ impl Reading<'_> {
         let positions = self.reader.floats::<3>(needed("POSITION")?, user)?;
         let normals = self.reader.floats::<3>(needed("NORMAL")?, user)?;
         let t3 = self.reader.floats::<3>(needed("_IGT_T3")?, user)?;
-        let corners = self.reader.unsigned::<1>(indices as usize, user)?.into_flattened();
+        let corners = self
+            .reader
+            .unsigned::<1>(indices as usize, user)?
+            .into_flattened();
         let (joints, weights) = match accessor("JOINTS_0") {
-            Some(joints) => (self.joints(&what, joints)?, self.reader.floats::<4>(needed("WEIGHTS_0")?, user)?),
+            Some(joints) => (
+                self.joints(&what, joints)?,
+                self.reader.floats::<4>(needed("WEIGHTS_0")?, user)?,
+            ),
             None => (Vec::new(), Vec::new()),
         };
         let (triangles, []) = corners.as_chunks::<3>() else {
-            return Err(self.fault(&what, format!("{} indices are not whole triangles", corners.len())));
+            return Err(self.fault(
+                &what,
+                format!("{} indices are not whole triangles", corners.len()),
+            ));
         };
         let vertices = positions.len();
         if let Some(v) = corners.iter().find(|&&v| v as usize >= vertices) {
-            return Err(self.fault(&what, format!("vertex {v} does not exist ({vertices} vertices)")));
+            return Err(self.fault(
+                &what,
+                format!("vertex {v} does not exist ({vertices} vertices)"),
+            ));
         }
         if normals.len() != vertices
             || t3.len() != vertices
@@ -184,7 +274,11 @@ impl Reading<'_> {
         }
         Ok(Lod {
             t3: self.grid_points(&what, &t3)?,
-            triangle_layer: self.layers(&format!("{what}.layer"), extension.layer, triangles.len())?,
+            triangle_layer: self.layers(
+                &format!("{what}.layer"),
+                extension.layer,
+                triangles.len(),
+            )?,
             triangles: triangles.to_vec(),
             positions,
             normals,
@@ -198,11 +292,28 @@ impl Reading<'_> {
 
     /// Joints that exist in every skin the mesh is used with.
     fn joints(&self, what: &str, accessor: usize) -> Result<Vec<[u16; 4]>> {
-        let joints = self.reader.unsigned::<4>(accessor, || format!("{}.{what}", self.element))?;
-        let skins = self.scene.nodes.iter().filter(|node| node.mesh == Some(self.mesh)).filter_map(|node| node.skin);
-        let limit = skins.map(|skin| self.scene.skins[skin].joints.len()).min().unwrap_or(1 << 16).min(1 << 16);
-        if let Some(v) = joints.iter().position(|j| j.iter().any(|&j| j as usize >= limit)) {
-            return Err(self.fault(what, format!("vertex {v} names joints {:?} of {limit}", joints[v])));
+        let joints = self
+            .reader
+            .unsigned::<4>(accessor, || format!("{}.{what}", self.element))?;
+        let skins = self
+            .scene
+            .nodes
+            .iter()
+            .filter(|node| node.mesh == Some(self.mesh))
+            .filter_map(|node| node.skin);
+        let limit = skins
+            .map(|skin| self.scene.skins[skin].joints.len())
+            .min()
+            .unwrap_or(1 << 16)
+            .min(1 << 16);
+        if let Some(v) = joints
+            .iter()
+            .position(|j| j.iter().any(|&j| j as usize >= limit))
+        {
+            return Err(self.fault(
+                what,
+                format!("vertex {v} names joints {:?} of {limit}", joints[v]),
+            ));
         }
         Ok(joints.iter().map(|j| j.map(|j| j as u16)).collect())
     }
@@ -211,7 +322,10 @@ impl Reading<'_> {
     fn grid_points(&self, what: &str, t3: &[[f32; 3]]) -> Result<Vec<[i32; 3]>> {
         let inside = |c: &f32| c.fract() == 0.0 && c.abs() <= VERTEX_MAX as f32;
         match t3.iter().position(|p| !p.iter().all(inside)) {
-            Some(v) => Err(self.fault(what, format!("_IGT_T3 of vertex {v} is not on the grid: {:?}", t3[v]))),
+            Some(v) => Err(self.fault(
+                what,
+                format!("_IGT_T3 of vertex {v} is not on the grid: {:?}", t3[v]),
+            )),
             None => Ok(t3.iter().map(|p| p.map(|c| c as i32)).collect()),
         }
     }

@@ -32,12 +32,25 @@ pub fn to_bytes(built: &Built) -> Result<Vec<u8>> {
         binary: document.binary.to_vec(),
     };
     if !document.json["extensions"][EXTENSION].is_null() {
-        return Err(writer.fault("extensions".into(), "this model has inverse textures already; build from the original"));
+        return Err(writer.fault(
+            "extensions".into(),
+            "this model has inverse textures already; build from the original",
+        ));
     }
-    if let Some(pair) = built.meshes.windows(2).find(|pair| pair[0].mesh >= pair[1].mesh) {
-        return Err(writer.fault(format!("meshes[{}]", pair[1].mesh), "built meshes are not in growing order"));
+    if let Some(pair) = built
+        .meshes
+        .windows(2)
+        .find(|pair| pair[0].mesh >= pair[1].mesh)
+    {
+        return Err(writer.fault(
+            format!("meshes[{}]", pair[1].mesh),
+            "built meshes are not in growing order",
+        ));
     }
-    let root = RootExtension { version: VERSION, original: original::count(&document.json, document.binary.len()) };
+    let root = RootExtension {
+        version: VERSION,
+        original: original::count(&document.json, document.binary.len()),
+    };
     for mesh in &built.meshes {
         writer.mesh(built, mesh)?;
     }
@@ -69,7 +82,8 @@ impl Writer<'_> {
         let Some(reference) = built.scene.meshes.get(mesh.mesh) else {
             return Err(self.fault(element, "does not exist"));
         };
-        let reference_sha256 = super::reference_sha256(reference, &mesh.tables, &mesh.triangle_layer)?;
+        let reference_sha256 =
+            super::reference_sha256(reference, &mesh.tables, &mesh.triangle_layer)?;
         let tables = &mesh.tables;
         let [hash, list, triangle] =
             [&tables.hash, &tables.list, &tables.triangle].map(|words| self.words(words));
@@ -106,8 +120,17 @@ impl Writer<'_> {
             && skinned
             && lod.joints.len() == lod.weights.len()
             && lod.triangle_layer.len() == lod.triangles.len();
-        let finite = lod.positions.iter().chain(&lod.normals).flatten().all(|c| c.is_finite());
-        let inside = lod.triangles.iter().flatten().all(|&v| (v as usize) < vertices);
+        let finite = lod
+            .positions
+            .iter()
+            .chain(&lod.normals)
+            .flatten()
+            .all(|c| c.is_finite());
+        let inside = lod
+            .triangles
+            .iter()
+            .flatten()
+            .all(|&v| (v as usize) < vertices);
         let reason = match () {
             () if lod.triangles.is_empty() => "has no triangles",
             () if !lengths => "has arrays of different lengths",
@@ -128,15 +151,25 @@ impl Writer<'_> {
             "_IGT_T3": self.accessor(&t3, FLOAT, "VEC3", ARRAY_BUFFER, None),
         });
         if !lod.joints.is_empty() {
-            attributes["JOINTS_0"] = self.accessor(&lod.joints, UNSIGNED_SHORT, "VEC4", ARRAY_BUFFER, None).into();
-            attributes["WEIGHTS_0"] = self.accessor(&lod.weights, FLOAT, "VEC4", ARRAY_BUFFER, None).into();
+            attributes["JOINTS_0"] = self
+                .accessor(&lod.joints, UNSIGNED_SHORT, "VEC4", ARRAY_BUFFER, None)
+                .into();
+            attributes["WEIGHTS_0"] = self
+                .accessor(&lod.weights, FLOAT, "VEC4", ARRAY_BUFFER, None)
+                .into();
         }
         let corners = lod.triangles.as_flattened();
         let indices = self.accessor(corners, UNSIGNED_INT, "SCALAR", ELEMENT_ARRAY_BUFFER, None);
         let layer = self.view(&lod.triangle_layer, None);
         let meshes = array(&mut self.json, "meshes");
         meshes.push(json!({ "name": name, "primitives": [{ "attributes": attributes, "indices": indices }] }));
-        LodExtension { mesh: meshes.len() - 1, layer, error: lod.error, turned: lod.turned, reached: lod.reached }
+        LodExtension {
+            mesh: meshes.len() - 1,
+            layer,
+            error: lod.error,
+            turned: lod.turned,
+            reached: lod.reached,
+        }
     }
 
     /// Gives every node of the mesh nodes for its LoDs (MSFT_lod). A viewer that follows them shows a LoD node in place of
@@ -145,7 +178,10 @@ impl Writer<'_> {
         for n in (0..self.counts_nodes).filter(|_| !lods.is_empty()) {
             let node = &self.json["nodes"][n];
             let leaf = node["children"].as_array().is_none_or(Vec::is_empty);
-            if node["mesh"].as_u64() != Some(mesh as u64) || !leaf || !node["extensions"][MSFT_LOD].is_null() {
+            if node["mesh"].as_u64() != Some(mesh as u64)
+                || !leaf
+                || !node["extensions"][MSFT_LOD].is_null()
+            {
                 continue;
             }
             let mut copy = json!({});
@@ -167,8 +203,10 @@ impl Writer<'_> {
 
     /// Appends bytes as a buffer view at a multiple of 16; returns its index.
     fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
-        self.binary.resize(self.binary.len().next_multiple_of(16), 0);
-        let mut view = json!({ "buffer": 0, "byteOffset": self.binary.len(), "byteLength": bytes.len() });
+        self.binary
+            .resize(self.binary.len().next_multiple_of(16), 0);
+        let mut view =
+            json!({ "buffer": 0, "byteOffset": self.binary.len(), "byteLength": bytes.len() });
         if let Some(target) = target {
             view["target"] = target.into();
         }
@@ -185,12 +223,18 @@ impl Writer<'_> {
     }
 
     /// Appends an array as an accessor; returns its index.
-    fn accessor<T: Pod>(&mut self, values: &[T], component: u32, kind: &str, target: u32, bounds: Option<Value>) -> usize {
+    fn accessor<T: Pod>(
+        &mut self,
+        values: &[T],
+        component: u32,
+        kind: &str,
+        target: u32,
+        bounds: Option<Value>,
+    ) -> usize {
         // Written as they lie in memory: little-endian hosts only, which the crate's GPU side needs anyway.
         const { assert!(cfg!(target_endian = "little")) };
         let view = self.view(bytemuck::cast_slice(values), Some(target));
-        let mut accessor =
-            json!({ "bufferView": view, "componentType": component, "count": values.len(), "type": kind });
+        let mut accessor = json!({ "bufferView": view, "componentType": component, "count": values.len(), "type": kind });
         if let Some(bounds) = bounds {
             accessor["min"] = bounds["min"].clone();
             accessor["max"] = bounds["max"].clone();
@@ -201,7 +245,9 @@ impl Writer<'_> {
     }
 
     fn use_extensions(&mut self) {
-        let lods = array(&mut self.json, "nodes").iter().any(|node| !node["extensions"][MSFT_LOD].is_null());
+        let lods = array(&mut self.json, "nodes")
+            .iter()
+            .any(|node| !node["extensions"][MSFT_LOD].is_null());
         let used = array(&mut self.json, "extensionsUsed");
         for name in [EXTENSION, MSFT_LOD] {
             let wanted = name == EXTENSION || lods;
@@ -214,7 +260,9 @@ impl Writer<'_> {
     fn finish(mut self) -> Result<Vec<u8>> {
         // Arrays that were only looked into are not left behind empty.
         if let Some(object) = self.json.as_object_mut() {
-            object.retain(|key, value| key != "nodes" || value.as_array().is_none_or(|a| !a.is_empty()));
+            object.retain(|key, value| {
+                key != "nodes" || value.as_array().is_none_or(|a| !a.is_empty())
+            });
         }
         if !self.binary.is_empty() {
             array(&mut self.json, "buffers");
@@ -223,14 +271,20 @@ impl Writer<'_> {
             }
             self.json["buffers"][0]["byteLength"] = self.binary.len().into();
         }
-        Document { json: self.json, binary: Arc::new(self.binary) }.to_glb()
+        Document {
+            json: self.json,
+            binary: Arc::new(self.binary),
+        }
+        .to_glb()
     }
 }
 
 fn bounds(positions: &[[f32; 3]]) -> Value {
     let start = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     let (min, max) = positions.iter().fold(start, |(min, max), p| {
-        let pick = |f: fn(f32, f32) -> f32, a: [f32; 3]| std::array::from_fn::<f32, 3, _>(|k| f(a[k], p[k]));
+        let pick = |f: fn(f32, f32) -> f32, a: [f32; 3]| {
+            std::array::from_fn::<f32, 3, _>(|k| f(a[k], p[k]))
+        };
         (pick(f32::min, min), pick(f32::max, max))
     });
     json!({ "min": min, "max": max })

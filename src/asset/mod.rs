@@ -102,7 +102,10 @@ impl Model {
 pub fn write(built: &Built, path: &Path) -> Result<()> {
     let bytes = to_bytes(built)?;
     let io = |source| Error::io(path, source);
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = path
+        .parent()
+        .filter(|p| !p.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {
@@ -110,7 +113,10 @@ pub fn write(built: &Built, path: &Path) -> Result<()> {
         // As any new file, less the umask; a temporary file would be private.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.prefix(".invertex-").tempfile_in(folder).map_err(io)?;
+    let mut file = builder
+        .prefix(".invertex-")
+        .tempfile_in(folder)
+        .map_err(io)?;
     file.write_all(&bytes).map_err(io)?;
     file.as_file().sync_all().map_err(io)?;
     file.persist(path).map_err(|e| io(e.error))?;
@@ -121,8 +127,18 @@ pub fn write(built: &Built, path: &Path) -> Result<()> {
 fn reference_sha256(mesh: &Mesh, tables: &Tables, triangle_layer: &[u8]) -> Result<String> {
     let reference = Reference::new(mesh, &tables.primary, triangle_layer, tables.layout)?;
     let mut hasher = Sha256::new();
-    reference.t3.iter().for_each(|p| hasher.update(bytemuck::bytes_of(&p.map(i32::to_le))));
-    reference.triangles.iter().for_each(|t| hasher.update(bytemuck::bytes_of(&t.map(u32::to_le))));
+    reference
+        .t3
+        .iter()
+        .for_each(|p| hasher.update(bytemuck::bytes_of(&p.map(i32::to_le))));
+    reference
+        .triangles
+        .iter()
+        .for_each(|t| hasher.update(bytemuck::bytes_of(&t.map(u32::to_le))));
     hasher.update(&reference.layer);
-    Ok(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hasher
+        .finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect())
 }

@@ -40,8 +40,14 @@ pub(super) fn strip(json: &mut Value, counts: &Counts) -> Result<(), &'static st
         }
     }
     match counts.byte_length {
-        None => drop(json.as_object_mut().and_then(|object| object.remove("buffers"))),
-        Some(bytes) => match elements(json, "buffers").next().and_then(Value::as_object_mut) {
+        None => drop(
+            json.as_object_mut()
+                .and_then(|object| object.remove("buffers")),
+        ),
+        Some(bytes) => match elements(json, "buffers")
+            .next()
+            .and_then(Value::as_object_mut)
+        {
             Some(buffer) => drop(buffer.insert("byteLength".into(), bytes.into())),
             None => return Err("byteLength"),
         },
@@ -52,11 +58,14 @@ pub(super) fn strip(json: &mut Value, counts: &Counts) -> Result<(), &'static st
 /// Whether `ids` are nodes of LoDs: an original's own MSFT_lod names others and stays.
 fn names_only(ids: &Value, first: usize) -> bool {
     let appended = |id: &Value| id.as_u64().is_some_and(|id| id >= first as u64);
-    ids.as_array().is_some_and(|ids| !ids.is_empty() && ids.iter().all(appended))
+    ids.as_array()
+        .is_some_and(|ids| !ids.is_empty() && ids.iter().all(appended))
 }
 
 fn cut(json: &mut Value, key: &'static str, count: Option<usize>) -> Result<(), &'static str> {
-    let Some(object) = json.as_object_mut() else { return Err(key) };
+    let Some(object) = json.as_object_mut() else {
+        return Err(key);
+    };
     match (count, object.get_mut(key).and_then(Value::as_array_mut)) {
         (None, _) => drop(object.remove(key)),
         (Some(count), Some(array)) if count <= array.len() => array.truncate(count),
@@ -66,13 +75,20 @@ fn cut(json: &mut Value, key: &'static str, count: Option<usize>) -> Result<(), 
 }
 
 fn elements<'a>(json: &'a mut Value, key: &str) -> impl Iterator<Item = &'a mut Value> {
-    json.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten()
+    json.get_mut(key)
+        .and_then(Value::as_array_mut)
+        .into_iter()
+        .flatten()
 }
 
 /// Removes an extension, and the `extensions` object with the last one in it.
 fn remove_extension(object: &mut Value, name: &str) {
-    let Some(object) = object.as_object_mut() else { return };
-    let Some(extensions) = object.get_mut("extensions").and_then(Value::as_object_mut) else { return };
+    let Some(object) = object.as_object_mut() else {
+        return;
+    };
+    let Some(extensions) = object.get_mut("extensions").and_then(Value::as_object_mut) else {
+        return;
+    };
     if extensions.remove(name).is_some() && extensions.is_empty() {
         object.remove("extensions");
     }

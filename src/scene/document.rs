@@ -84,14 +84,21 @@ pub(super) fn gather(
 fn tidy(json: &mut Value) {
     let prune = |object: &mut Value| {
         if let Some(object) = object.as_object_mut()
-            && object.get("extensions").and_then(Value::as_object).is_some_and(serde_json::Map::is_empty)
+            && object
+                .get("extensions")
+                .and_then(Value::as_object)
+                .is_some_and(serde_json::Map::is_empty)
         {
             object.remove("extensions");
         }
     };
     prune(json);
     for key in ["meshes", "nodes"] {
-        json.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten().for_each(prune);
+        json.get_mut(key)
+            .and_then(Value::as_array_mut)
+            .into_iter()
+            .flatten()
+            .for_each(prune);
     }
 }
 

@@ -23,8 +23,8 @@ mod primitive;
 mod resource;
 mod vertex;
 
-pub use animation::{Animation, Channel, Interpolation, Property, Skin, Track};
 pub(crate) use accessor::Reader;
+pub use animation::{Animation, Channel, Interpolation, Property, Skin, Track};
 pub use document::Document;
 pub(crate) use document::array;
 pub use image::{Image, MAX_ALLOCATION, MAX_SIDE, TextureUse};
@@ -171,7 +171,13 @@ impl Opened {
     /// Opens a file, as [`Scene::from_bytes`].
     pub(crate) fn new(name: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Opened> {
         let container = container::open(name, bytes)?;
-        Opened::from_json(name, container.json, container.bin, folder, bytes.len() as u64)
+        Opened::from_json(
+            name,
+            container.json,
+            container.bin,
+            folder,
+            bytes.len() as u64,
+        )
     }
 
     /// Opens a document; `size` is that of the file it came from.
@@ -187,23 +193,43 @@ impl Opened {
         let mut resolver = resource::Resolver::new(name, folder);
         let (document, views) = document::gather(name, json, &root, bin, &mut resolver)?;
         let size = size.max(document.binary.len() as u64);
-        Ok(Opened { name: name.into(), root, views, document, size })
+        Ok(Opened {
+            name: name.into(),
+            root,
+            views,
+            document,
+            size,
+        })
     }
 
     /// Reads its accessors, within a budget of memory of its own.
     pub(crate) fn reader(&self) -> Reader<'_> {
-        Reader::new(&self.name, &self.root.accessors, &self.views, &self.document.binary, self.size)
+        Reader::new(
+            &self.name,
+            &self.root.accessors,
+            &self.views,
+            &self.document.binary,
+            self.size,
+        )
     }
 
     /// Bytes of a buffer view that `element` names.
     pub(crate) fn view(&self, index: usize, element: &str) -> Result<&[u8]> {
-        let view = json::at(&self.name, &self.views, "bufferViews", index, || element.into())?;
+        let view = json::at(&self.name, &self.views, "bufferViews", index, || {
+            element.into()
+        })?;
         Ok(&self.document.binary[view.start..view.start + view.length])
     }
 
     /// Reads everything else.
     pub(crate) fn into_scene(self) -> Result<Scene> {
-        let Opened { name, root, views, document, size } = self;
+        let Opened {
+            name,
+            root,
+            views,
+            document,
+            size,
+        } = self;
         let binary = Arc::clone(&document.binary);
         let reader = Reader::new(&name, &root.accessors, &views, &binary, size);
         reader.check_all()?;

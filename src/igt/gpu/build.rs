@@ -24,7 +24,12 @@ pub struct Timed {
 ///
 /// # Errors
 /// Those of the CPU build, and [`Error::Capacity`] where the work does not fit a storage buffer of the device.
-pub fn build(context: &Context, reference: &Reference, needs: &Needs, options: BuildOptions) -> Result<Timed> {
+pub fn build(
+    context: &Context,
+    reference: &Reference,
+    needs: &Needs,
+    options: BuildOptions,
+) -> Result<Timed> {
     let bits = options.bits()?;
     check_layout(reference, options)?;
     let mut timings = Vec::new();
@@ -84,7 +89,12 @@ fn cover(
         extra: &extra,
     };
     let bound = context.compute::<bounds::Shader>()?.bind(&bindings)?;
-    let push = bounds::Push { line: line as u32, bits, count, boxes: box_count as u32 };
+    let push = bounds::Push {
+        line: line as u32,
+        bits,
+        count,
+        boxes: box_count as u32,
+    };
     recorder.dispatch(&bound, &push, groups(count.into(), 64));
     scan::record(context, &mut recorder, &starts, box_count + 1)?;
     let total = context.storage("items", 4)?;
@@ -93,7 +103,11 @@ fn cover(
     let items = context.download::<u32>(&total)?[0];
     if items > i32::MAX as u32 {
         let (need, have) = (items.into(), i32::MAX as u64);
-        return Err(Error::Capacity { what: "texels to test".into(), need, have });
+        return Err(Error::Capacity {
+            what: "texels to test".into(),
+            need,
+            have,
+        });
     }
 
     let texels = 1u64 << (2 * bits);
@@ -110,10 +124,19 @@ fn cover(
     let bound = context.compute::<cover::Shader>()?.bind(&bindings)?;
     let mut recorder = context.recorder("igt cover")?;
     recorder.fill(&counts, 0);
-    let push = cover::Push { line: line as u32, bits, boxes: box_count as u32, items };
+    let push = cover::Push {
+        line: line as u32,
+        bits,
+        boxes: box_count as u32,
+        items,
+    };
     recorder.dispatch(&bound, &push, groups(items as u64, 64 * 8));
     timings.push(context.run(recorder)?);
-    Ok(Covered { pairs, items, counts })
+    Ok(Covered {
+        pairs,
+        items,
+        counts,
+    })
 }
 
 /// Room for the boxes of triangles that reach into several octants, beyond one for each.
@@ -125,7 +148,9 @@ fn extra_boxes(reference: &Reference, line: Line) -> u64 {
         let c = reference.corners(t);
         (0..3).any(|k| c.iter().any(|v| v[k] < 0) && c.iter().any(|v| v[k] > 0))
     };
-    7 * (0..reference.triangles.len()).filter(|t| spread(*t)).count() as u64
+    7 * (0..reference.triangles.len())
+        .filter(|t| spread(*t))
+        .count() as u64
 }
 
 /// Lists with gaps: texel t's are `lists[starts[t]..starts[t] + lengths[t]]`.
@@ -135,7 +160,12 @@ struct Raw {
     lists: Buffer,
 }
 
-fn order(context: &Context, covered: &Covered, bits: u32, timings: &mut Vec<Timings>) -> Result<Raw> {
+fn order(
+    context: &Context,
+    covered: &Covered,
+    bits: u32,
+    timings: &mut Vec<Timings>,
+) -> Result<Raw> {
     let texels = 1u64 << (2 * bits);
     let starts = &covered.counts;
     let cursors = context.storage("cursors", (texels + 1) * 4)?;
@@ -146,14 +176,38 @@ fn order(context: &Context, covered: &Covered, bits: u32, timings: &mut Vec<Timi
     let mut recorder = context.recorder("igt lists")?;
     scan::record(context, &mut recorder, starts, texels + 1)?;
     recorder.copy(starts, &cursors);
-    let bindings = scatter::Bindings { pairs: &covered.pairs, cursors: &cursors, lists: &lists };
+    let bindings = scatter::Bindings {
+        pairs: &covered.pairs,
+        cursors: &cursors,
+        lists: &lists,
+    };
     let bound = context.compute::<scatter::Shader>()?.bind(&bindings)?;
-    recorder.dispatch(&bound, &scatter::Push { items: covered.items }, groups(covered.items.into(), 64));
-    let bindings = order::Bindings { starts, lists: &lists, lengths: &lengths };
+    recorder.dispatch(
+        &bound,
+        &scatter::Push {
+            items: covered.items,
+        },
+        groups(covered.items.into(), 64),
+    );
+    let bindings = order::Bindings {
+        starts,
+        lists: &lists,
+        lengths: &lengths,
+    };
     let bound = context.compute::<order::Shader>()?.bind(&bindings)?;
-    recorder.dispatch(&bound, &order::Push { texels: texels as u32 }, groups(texels, 64));
+    recorder.dispatch(
+        &bound,
+        &order::Push {
+            texels: texels as u32,
+        },
+        groups(texels, 64),
+    );
     timings.push(context.run(recorder)?);
-    Ok(Raw { starts: covered.counts.clone(), lengths, lists })
+    Ok(Raw {
+        starts: covered.counts.clone(),
+        lengths,
+        lists,
+    })
 }
 
 fn fill_gutter(
@@ -173,7 +227,10 @@ fn fill_gutter(
     use shaders::igt_gutter as pass;
     let mut found = Vec::with_capacity(needs.pairs.len());
     for block in needs.pairs.chunks(1 << 20) {
-        let pairs: Vec<[u32; 2]> = block.iter().map(|p| [(p >> 8) as u32, (p & 255) as u32]).collect();
+        let pairs: Vec<[u32; 2]> = block
+            .iter()
+            .map(|p| [(p >> 8) as u32, (p & 255) as u32])
+            .collect();
         let needs = context.upload("needs", &pairs)?;
         let answers = context.storage("gutter answers", block.len() as u64 * 40)?;
         let bindings = pass::Bindings {
@@ -212,12 +269,20 @@ fn download(context: &Context, raw: &Raw, bits: u32) -> Result<Lists> {
     let mut items: Vec<u32> = context.download(&raw.lists)?;
     items.truncate(starts[texels] as usize);
     if (0..texels).all(|t| starts[t] + lengths[t] == starts[t + 1]) {
-        return Ok(Lists { start: starts[..=texels].to_vec(), items });
+        return Ok(Lists {
+            start: starts[..=texels].to_vec(),
+            items,
+        });
     }
-    let mut lists = Lists { start: Vec::with_capacity(texels + 1), items: Vec::with_capacity(items.len()) };
+    let mut lists = Lists {
+        start: Vec::with_capacity(texels + 1),
+        items: Vec::with_capacity(items.len()),
+    };
     for t in 0..texels {
         lists.start.push(lists.items.len() as u32);
-        lists.items.extend(&items[starts[t] as usize..(starts[t] + lengths[t]) as usize]);
+        lists
+            .items
+            .extend(&items[starts[t] as usize..(starts[t] + lengths[t]) as usize]);
     }
     lists.start.push(lists.items.len() as u32);
     Ok(lists)

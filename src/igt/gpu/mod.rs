@@ -17,7 +17,12 @@ pub fn shader_tables(tables: &Tables) -> [u32; 4] {
         Layout::Packed => 0,
         Layout::Classic => 1,
     };
-    [tables.primary.line() as u32, table_layout, layout::is_flat(&tables.primary).into(), tables.bits()]
+    [
+        tables.primary.line() as u32,
+        table_layout,
+        layout::is_flat(&tables.primary).into(),
+        tables.bits(),
+    ]
 }
 
 /// Workgroups for `threads` threads of `size` each, spread over two dimensions (the first is limited to 65535).

@@ -24,8 +24,13 @@ pub fn query(
         let four: Vec<[i32; 4]> = block.iter().map(|p| [p[0], p[1], p[2], 0]).collect();
         let points = context.upload("query points", &four)?;
         let found = context.storage("answers", block.len() as u64 * 32)?;
-        let bindings =
-            pass::Bindings { hash: &hash, list: &list, triangle: &triangle, points: &points, found: &found };
+        let bindings = pass::Bindings {
+            hash: &hash,
+            list: &list,
+            triangle: &triangle,
+            points: &points,
+            found: &found,
+        };
         let bound = context.compute::<pass::Shader>()?.bind(&bindings)?;
         let mut recorder = context.recorder("query")?;
         let push = pass::Push {
@@ -40,7 +45,11 @@ pub fn query(
         answers.extend(words[..block.len()].iter().map(|w| {
             (w[0] != u32::MAX).then(|| Found {
                 triangle: w[0],
-                barycentric: [f32::from_bits(w[1]), f32::from_bits(w[2]), f32::from_bits(w[3])],
+                barycentric: [
+                    f32::from_bits(w[1]),
+                    f32::from_bits(w[2]),
+                    f32::from_bits(w[3]),
+                ],
                 fetches: w[4],
                 hit: w[5] != 0,
             })
