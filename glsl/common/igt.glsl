@@ -162,8 +162,10 @@ void igt_scan(IgtTables t, ivec3 q, uint layer, bool nearest, inout IgtCandidate
 IgtFound igt_lookup(IgtTables t, ivec3 q, uint layer, bool nearest) {
     IgtCandidate best = IgtCandidate(4u, 0.0, IGT_NOTHING, vec3(0.0));
     uint fetches = 0u;
-    igt_scan(t, q, layer, false, best, fetches);
-    if (nearest && best.rank > 0u) igt_scan(t, q, layer, true, best, fetches);
+    // A loop, so that a compiler that inlines everything holds one copy of the walk.
+    for (uint pass = 0u; pass < (nearest ? 2u : 1u) && best.rank > 0u; pass++) {
+        igt_scan(t, q, layer, pass == 1u, best, fetches);
+    }
     return IgtFound(best.triangle, best.barycentric, fetches, (best.rank & 1u) == 0u && best.rank < 4u);
 }
 

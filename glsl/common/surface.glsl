@@ -72,8 +72,8 @@ vec4 igt_slot(uvec4 corner, uint slot, IgtSurfacePoint p, vec4 missing) {
     return igt_sample(id, igt_slot_uv(corner, at, p));
 }
 
-// Two-level normal: the reference's interpolated one, tilted by the artist's map in the reference's tangent frame.
-vec3 igt_two_level_normal(uvec4 corner, IgtSurfacePoint p, vec4 world[3], vec4 normal[3]) {
+// Two-level normal: the reference's interpolated one, tilted by the artist's map (`texel`) in the reference's tangent frame.
+vec3 igt_two_level_normal(uvec4 corner, IgtSurfacePoint p, vec4 texel, vec4 world[3], vec4 normal[3]) {
     vec3 object = igt_weighted3(corner, 0u, p.b);
     vec3 n = igt_unit3(vec3(igt_dot3(normal[0].xyz, object), igt_dot3(normal[1].xyz, object), igt_dot3(normal[2].xyz, object)),
                        vec3(0.0, 0.0, 1.0));
@@ -86,7 +86,6 @@ vec3 igt_two_level_normal(uvec4 corner, IgtSurfacePoint p, vec4 world[3], vec4 n
     if (!(igt_dot3(t, t) > 1e-30)) {
         return n;
     }
-    vec4 texel = igt_slot(corner, 2u, p, vec4(0.5, 0.5, 1.0, 1.0));
     float scale = igt_material_float(corner.w * IGT_MATERIAL_WORDS + 9u);
     t = igt_unit3(t, vec3(1.0, 0.0, 0.0));
     precise float side = igt_attribute_float(corner.x + 6u) * normal[0].w;
@@ -102,20 +101,30 @@ vec3 igt_two_level_normal(uvec4 corner, IgtSurfacePoint p, vec4 world[3], vec4 n
 IgtSurface igt_surface(IgtSurfacePoint p, vec4 world[3], vec4 normal[3]) {
     uvec4 corner = igt_attribute_triangle(p.triangle);
     uint m = corner.w * IGT_MATERIAL_WORDS;
-    vec4 texel = igt_slot(corner, 0u, p, vec4(1.0));
+    vec4 texel = vec4(1.0);
+    vec4 orm = vec4(1.0);
+    vec4 bump = vec4(1.0);
+    float occluded = 1.0;
+    vec3 glow = vec3(1.0);
+    // One copy of the sampling code for all slots.
+    for (uint slot = 0u; slot < 5u; slot++) {
+        vec4 value = igt_slot(corner, slot, p, vec4(1.0));
+        if (slot == 0u) texel = value;
+        if (slot == 1u) orm = value;
+        if (slot == 2u) bump = value;
+        if (slot == 3u) occluded = value.x;
+        if (slot == 4u) glow = value.xyz;
+    }
     vec4 color = vec4(igt_weighted3(corner, 7u, p.b), igt_weighted(corner, 10u, p.b));
     vec4 factor = vec4(igt_material_float(m), igt_material_float(m + 1u), igt_material_float(m + 2u), igt_material_float(m + 3u));
     precise vec4 base = texel * factor * color;
-    vec4 orm = igt_slot(corner, 1u, p, vec4(1.0));
-    float occluded = igt_slot(corner, 3u, p, vec4(1.0)).x;
-    vec3 glow = igt_slot(corner, 4u, p, vec4(1.0)).xyz;
     precise vec3 emissive = vec3(igt_material_float(m + 4u), igt_material_float(m + 5u), igt_material_float(m + 6u)) * glow;
     precise float metallic = orm.z * igt_material_float(m + 7u);
     precise float roughness = orm.y * igt_material_float(m + 8u);
     precise float occlusion = 1.0 + igt_material_float(m + 10u) * (occluded - 1.0);
     IgtSurface s;
     s.base = base;
-    s.normal = igt_two_level_normal(corner, p, world, normal);
+    s.normal = igt_two_level_normal(corner, p, bump, world, normal);
     s.emissive = emissive;
     s.metallic = metallic;
     s.roughness = roughness;

@@ -67,7 +67,8 @@ vec4 igt_texel(uint base, int x, int y, int w, int h, uint wraps, uint flags) {
     return igt_unpack(igt_texel_word(uint(int(base) + j * w + i)), flags);
 }
 
-// One level of a texture, bilinear or nearest.
+// One level of a texture, bilinear or nearest. Loops keep one copy of the fetch in the program; drivers that compile it
+// to machine code take seconds for each.
 vec4 igt_sample_level(uint record, int level, vec2 uv) {
     int w = int(max(igt_texture_word(record + 1u) >> uint(level), 1u));
     int h = int(max(igt_texture_word(record + 2u) >> uint(level), 1u));
@@ -76,19 +77,33 @@ vec4 igt_sample_level(uint record, int level, vec2 uv) {
     uint base = igt_texture_word(record) + igt_texture_word(record + IGT_LEVELS_AT + uint(level));
     precise float x = igt_wrap_coordinate(uv.x, wraps & 3u) * float(w);
     precise float y = igt_wrap_coordinate(uv.y, (wraps >> 2) & 3u) * float(h);
-    if ((flags & IGT_FLAG_NEAREST) != 0u) {
-        return igt_texel(base, int(floor(x)), int(floor(y)), w, h, wraps, flags);
+    bool nearest = (flags & IGT_FLAG_NEAREST) != 0u;
+    if (!nearest) {
+        x = x - 0.5;
+        y = y - 0.5;
     }
-    x = x - 0.5;
-    y = y - 0.5;
     precise float fx = x - floor(x);
     precise float fy = y - floor(y);
     int x0 = int(floor(x));
     int y0 = int(floor(y));
-    vec4 upper = igt_blend(igt_texel(base, x0, y0, w, h, wraps, flags), igt_texel(base, x0 + 1, y0, w, h, wraps, flags), fx);
-    vec4 lower =
-        igt_blend(igt_texel(base, x0, y0 + 1, w, h, wraps, flags), igt_texel(base, x0 + 1, y0 + 1, w, h, wraps, flags), fx);
-    return igt_blend(upper, lower, fy);
+    vec4 left = vec4(0.0);
+    vec4 upper = vec4(0.0);
+    vec4 value = vec4(0.0);
+    for (int k = 0; k < 4; k++) {
+        value = igt_texel(base, x0 + (k & 1), y0 + (k >> 1), w, h, wraps, flags);
+        if (nearest) {
+            return value;
+        }
+        if ((k & 1) == 0) {
+            left = value;
+        } else {
+            value = igt_blend(left, value, fx);
+            if (k == 1) {
+                upper = value;
+            }
+        }
+    }
+    return igt_blend(upper, value, fy);
 }
 
 float igt_squared_texels(vec2 d, float w, float h) {
@@ -113,16 +128,23 @@ vec4 igt_sample(uint id, IgtUvGradient at) {
     int top = int(igt_texture_word(record + 3u)) - 1;
     precise float lambda = igt_level_of(record, at);
     if (lambda <= 0.0 || top == 0 || (igt_texture_word(record + 5u) & IGT_FLAG_NO_MIPS) != 0u) {
-        return igt_sample_level(record, 0, at.uv);
+        lambda = 0.0;
     }
     lambda = min(lambda, float(top));
     precise float f = lambda - floor(lambda);
     int level = int(floor(lambda));
-    vec4 a = igt_sample_level(record, level, at.uv);
-    if (f == 0.0) {
-        return a;
+    vec4 finer = vec4(0.0);
+    vec4 value = vec4(0.0);
+    for (int k = 0; k < 2; k++) {
+        value = igt_sample_level(record, level + k, at.uv);
+        if (f == 0.0) {
+            return value;
+        }
+        if (k == 0) {
+            finer = value;
+        }
     }
-    return igt_blend(a, igt_sample_level(record, level + 1, at.uv), f);
+    return igt_blend(finer, value, f);
 }
 
 #endif

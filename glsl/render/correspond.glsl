@@ -106,21 +106,28 @@ Correspondence inverse_of(uint draw, Drawn drawn) {
     if (!r.known) {
         return r;
     }
+    r.point.triangle = draws.records[draw].attribute_base + found.triangle;
     uint ignored = 0u;
     IgtTriangle c = igt_load_triangle(tables, found.triangle, ignored);
-    vec3 here;
-    bool has_here = projected_into(tables.line, query, c.v0, c.v1, c.v2, here);
-    r.point.triangle = draws.records[draw].attribute_base + found.triangle;
-    vec3 moved;
-    if (has_here && drawn.has_bx && projected_into(tables.line, query_point(v0, v1, v2, drawn.bx), c.v0, c.v1, c.v2, moved)) {
-        precise vec3 dx = moved - here;
-        r.point.dx = dx;
-        r.point.has_dx = true;
-    }
-    if (has_here && drawn.has_by && projected_into(tables.line, query_point(v0, v1, v2, drawn.by), c.v0, c.v1, c.v2, moved)) {
-        precise vec3 dy = moved - here;
-        r.point.dy = dy;
-        r.point.has_dy = true;
+    vec3 here = vec3(0.0);
+    for (int k = 0; k < 3; k++) {
+        vec3 b = k == 0 ? drawn.b : (k == 1 ? drawn.bx : drawn.by);
+        bool has = k == 0 || (k == 1 ? drawn.has_bx : drawn.has_by);
+        vec3 moved;
+        has = projected_into(tables.line, query_point(v0, v1, v2, b), c.v0, c.v1, c.v2, moved) && has;
+        precise vec3 step = moved - here;
+        if (k == 0) {
+            here = moved;
+            if (!has) {
+                return r;
+            }
+        } else if (k == 1) {
+            r.point.dx = step;
+            r.point.has_dx = has;
+        } else {
+            r.point.dy = step;
+            r.point.has_dy = has;
+        }
     }
     return r;
 }

@@ -194,15 +194,32 @@ void main() {
     Projected v0 = projected.vertices[seen.x];
     Projected v1 = projected.vertices[seen.y];
     Projected v2 = projected.vertices[seen.z];
-    Edges here = edges_at(v0, v1, v2, at.x, at.y);
-    int sense = covers(here);
+    Edges here;
+    int sense = 0;
     Drawn drawn;
-    if (!barycentric_of(here, sense, drawn.b)) {
-        write(pixel, vec4(0.0), 0u, NOTHING, NOTHING, vec2(0.0), 0u, 1.0);
-        return;
+    // The pixel, then its neighbours in x and in y.
+    for (int k = 0; k < 3; k++) {
+        Edges e = edges_at(v0, v1, v2, at.x + int(k == 1), at.y + int(k == 2));
+        if (k == 0) {
+            here = e;
+            sense = covers(e);
+        }
+        vec3 b;
+        bool seen = barycentric_of(e, sense, b);
+        if (k == 0 && !seen) {
+            write(pixel, vec4(0.0), 0u, NOTHING, NOTHING, vec2(0.0), 0u, 1.0);
+            return;
+        }
+        if (k == 0) {
+            drawn.b = b;
+        } else if (k == 1) {
+            drawn.bx = b;
+            drawn.has_bx = seen;
+        } else {
+            drawn.by = b;
+            drawn.has_by = seen;
+        }
     }
-    drawn.has_bx = barycentric_of(edges_at(v0, v1, v2, at.x + 1, at.y), sense, drawn.bx);
-    drawn.has_by = barycentric_of(edges_at(v0, v1, v2, at.x, at.y + 1), sense, drawn.by);
     drawn.local = local;
     drawn.vertex = corner.xyz;
     drawn.layer = corner.w;
