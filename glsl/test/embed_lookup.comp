@@ -1,0 +1,34 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// A lookup as an engine embeds it: its own bindings, its own way to load the tables' words, and igt.glsl.
+layout(local_size_x = 64) in;
+
+struct EmbedAnswer { vec3 barycentric; uint triangle; uint fetches; uint hit; uint pad0; uint pad1; };
+
+// xyz: a point on the query grid; w: the layer that asks.
+layout(std430, binding = 2) readonly buffer Points { ivec4 list[]; } points;
+layout(std430, binding = 3) readonly buffer HashWords { uint words[]; } hash;
+layout(std430, binding = 5) readonly buffer ListWords { uint words[]; } list;
+layout(std430, binding = 7) readonly buffer TriangleWords { uint words[]; } triangles;
+layout(std430, binding = 8) writeonly buffer Answers { EmbedAnswer list[]; } answers;
+
+uvec2 igt_load_hash2(uint i) { return uvec2(hash.words[2u * i], hash.words[2u * i + 1u]); }
+uint igt_load_hash1(uint i) { return hash.words[i]; }
+uint igt_load_list(uint i) { return list.words[i]; }
+uvec4 igt_load_triangle4(uint i) {
+    uint at = 4u * i;
+    return uvec4(triangles.words[at], triangles.words[at + 1u], triangles.words[at + 2u], triangles.words[at + 3u]);
+}
+uint igt_load_triangle1(uint i) { return triangles.words[i]; }
+
+#include "common/igt.glsl"
+
+layout(push_constant) uniform Push { IgtTables tables; uint count; uint nearest; } push;
+
+void main() {
+    uint i = gl_GlobalInvocationID.x;
+    if (i >= push.count) return;
+    ivec4 point = points.list[i];
+    IgtFound found = igt_lookup(push.tables, point.xyz, uint(point.w), push.nearest != 0u);
+    answers.list[i] = EmbedAnswer(found.barycentric, found.triangle, found.fetches, uint(found.hit), 0u, 0u);
+}
