@@ -13,14 +13,18 @@
 //! `INVERTEX_inverse_geometric_texture` (schema in `schema/`), used but never required. Both directions are exact:
 //! `read(to_bytes(b)) == b` and `to_bytes(read(x)) == x` for every `x` that [`to_bytes`] made.
 
+mod build;
 mod decode;
 mod encode;
 mod extension;
 mod original;
+mod report;
 
+pub use build::{BuildOutcome, BuildSettings, Processor, Progress, build, hash_for};
 pub use decode::{is_built, read};
 pub use encode::to_bytes;
 pub use extension::EXTENSION;
+pub use report::{LodReport, MeshReport, TableBytes};
 
 use crate::igt::{Reference, Tables};
 use crate::lod::Lod;

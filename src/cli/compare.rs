@@ -41,10 +41,10 @@ pub(super) struct Compare {
     #[arg(long)]
     whole: bool,
     /// Fail (exit code 5) when the mean FLIP is above this.
-    #[arg(long, value_name = "FLIP")]
+    #[arg(long, value_name = "FLIP", value_parser = limit)]
     max_flip: Option<f64>,
     /// Fail (exit code 5) when the PSNR is below this.
-    #[arg(long, value_name = "DB")]
+    #[arg(long, value_name = "DB", value_parser = limit)]
     min_psnr: Option<f64>,
     /// Fail (exit code 5) when a pixel differs.
     #[arg(long)]
@@ -168,12 +168,11 @@ impl Compare {
 
     fn judge(&self, flip_mean: f64, psnr_db: Option<f64>, differing_pixels: usize) -> Result<()> {
         let fail = |text: String| Err(Error::Threshold(text));
-        // `!(a <= b)`: a limit that is not a number fails instead of passing.
-        if let Some(limit) = self.max_flip.filter(|&limit| !(flip_mean <= limit)) {
+        if let Some(limit) = self.max_flip.filter(|&limit| flip_mean > limit) {
             return fail(format!("mean FLIP {flip_mean:.6} is above {limit}"));
         }
         if let (Some(limit), Some(psnr)) = (self.min_psnr, psnr_db)
-            && !(psnr >= limit)
+            && psnr < limit
         {
             return fail(format!("PSNR {psnr:.3} dB is below {limit} dB"));
         }
@@ -182,6 +181,12 @@ impl Compare {
         }
         Ok(())
     }
+}
+
+/// A number that a measure can be compared with; NaN would let everything pass.
+fn limit(text: &str) -> std::result::Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if number.is_nan() { Err("not a number".to_owned()) } else { Ok(number) }
 }
 
 fn psnr(value: Option<f64>) -> String {

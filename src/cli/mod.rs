@@ -3,10 +3,21 @@
 //! stdout carries results only; bars, notes and logs go to stderr. Exit codes: 0 done, 2 usage, 3 bad input, 4 no
 //! usable device, 5 a comparison failed, 70 our own bug (a panic, caught here).
 
+mod build;
 mod compare;
+mod demo;
+mod demo_report;
+mod device;
+mod doctor;
+mod drawing;
+mod inspect;
+mod lod_choice;
 mod manual;
+mod points;
 mod print;
 mod progress;
+mod query;
+mod render;
 
 use std::io::{self, IsTerminal, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -51,8 +62,20 @@ struct Common {
 
 #[derive(Subcommand)]
 enum Verb {
+    /// Say which devices there are, what is missing, and how to get it.
+    Doctor(doctor::Doctor),
+    /// Say what is in a model, and which primary parameterizations fit each mesh.
+    Inspect(inspect::Inspect),
+    /// Turn a model into one GLB with its LoDs and inverse geometric textures.
+    Build(build::Build),
+    /// Look up which point of the reference stands for given points of texture space.
+    Query(query::Query),
+    /// Draw a model, or a LoD of it that looks like the original.
+    Render(render::Render),
     /// Compare two pictures, or two folders of pictures by name.
     Compare(compare::Compare),
+    /// Do all of it on the bundled model, ending with an HTML report.
+    Demo(demo::Demo),
     /// Print completions for a shell.
     Completions(manual::Completions),
     /// Print the manual page (roff).
@@ -103,7 +126,13 @@ pub(crate) fn main() -> ExitCode {
 fn run(command: &Command) -> Result<()> {
     let common = &command.common;
     match &command.verb {
+        Verb::Doctor(verb) => verb.run(common),
+        Verb::Inspect(verb) => verb.run(common),
+        Verb::Build(verb) => verb.run(common),
+        Verb::Query(verb) => verb.run(common),
+        Verb::Render(verb) => verb.run(common),
         Verb::Compare(verb) => verb.run(common),
+        Verb::Demo(verb) => verb.run(common),
         Verb::Completions(verb) => verb.run(),
         Verb::Man(verb) => verb.run(),
     }
@@ -150,4 +179,16 @@ fn bad_option(option: &'static str, reason: impl Into<String>) -> Error {
         option,
         reason: reason.into(),
     }
+}
+
+/// The place of the mesh called `name` among `names`.
+///
+/// # Errors
+/// [`Error::Input`] listing the names there are.
+fn mesh_named<'a>(file: &str, names: impl Iterator<Item = &'a str>, name: &str) -> Result<usize> {
+    let names: Vec<&str> = names.collect();
+    names.iter().position(|&other| other == name).ok_or_else(|| {
+        let reason = format!("there is no such mesh; there are: {}", names.join(", "));
+        Error::input(file, format!("mesh \"{name}\""), reason)
+    })
 }

@@ -81,7 +81,7 @@ impl Table {
 
 /// A number, perhaps with a unit after it.
 fn is_figure(cell: &str) -> bool {
-    cell.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '–')
+    cell.starts_with(|c: char| c.is_ascii_digit() || "-–<".contains(c))
 }
 
 /// `1234567` as `1,234,567`.

@@ -13,6 +13,7 @@
 //! chart borders are kept, so that every LoD triangle lies in one chart. Vertices may move to the optimum.
 //! Simplifier: meshoptimizer (quadric error metric, Garland and Heckbert), through the meshopt crate.
 
+pub mod deviation;
 mod joint;
 mod simplify;
 mod split;

@@ -1,0 +1,103 @@
+//! `--device`: where to compute.
+//!
+//! In: `auto`, `cpu`, an index or part of a name. Out: [`Device`]. `auto` takes a device when there is one and says so
+//! when there is none; a device that was named must be there.
+
+#[cfg(feature = "gpu")]
+use invertex::gpu::{Context, ContextOptions, DeviceChoice};
+#[cfg(feature = "gpu")]
+use invertex::Error;
+use invertex::Result;
+use invertex::asset::Processor;
+
+use super::Common;
+#[cfg(feature = "gpu")]
+use super::note;
+
+/// Where to compute.
+pub(super) enum Device {
+    /// The reference implementation.
+    Cpu,
+    /// A Vulkan device.
+    #[cfg(feature = "gpu")]
+    Gpu(Context),
+}
+
+impl Device {
+    /// The device that `common` means.
+    ///
+    /// # Errors
+    /// Those of [`Context::new`] where a device was named that is absent or lacks something.
+    #[cfg(feature = "gpu")]
+    pub(super) fn open(common: &Common) -> Result<Self> {
+        if common.device.eq_ignore_ascii_case("cpu") {
+            return Ok(Device::Cpu);
+        }
+        let Ok(choice) = common.device.parse::<DeviceChoice>();
+        let automatic = choice == DeviceChoice::Auto;
+        match Context::new(&ContextOptions { device: choice, validation: validation() }) {
+            Ok(context) => {
+                tracing::info!("device: {}", context.info().name);
+                Ok(Device::Gpu(context))
+            }
+            Err(error @ (Error::NoDevice { .. } | Error::Requirement { .. })) if automatic => {
+                note(common, &format!("{error}; using the processor"));
+                Ok(Device::Cpu)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Without Vulkan compiled in there is only the processor.
+    #[cfg(not(feature = "gpu"))]
+    pub(super) fn open(common: &Common) -> Result<Self> {
+        if ["cpu", "auto"].contains(&common.device.to_ascii_lowercase().as_str()) {
+            return Ok(Device::Cpu);
+        }
+        let reason = "this invertex was built without the feature \"gpu\"; use `--device cpu`".to_owned();
+        Err(invertex::Error::NoDevice { reason })
+    }
+
+    /// The context, where it is a Vulkan device.
+    #[cfg(feature = "gpu")]
+    pub(super) fn context(&self) -> Option<&Context> {
+        match self {
+            Device::Cpu => None,
+            Device::Gpu(context) => Some(context),
+        }
+    }
+
+    /// Where a build makes its tables.
+    pub(super) fn processor(&self) -> Processor<'_> {
+        match self {
+            Device::Cpu => Processor::Cpu,
+            #[cfg(feature = "gpu")]
+            Device::Gpu(context) => Processor::Device(context),
+        }
+    }
+
+    /// Name for results: `cpu`, or the device's.
+    pub(super) fn name(&self) -> String {
+        match self {
+            Device::Cpu => "cpu".to_owned(),
+            #[cfg(feature = "gpu")]
+            Device::Gpu(context) => context.info().name.clone(),
+        }
+    }
+
+    /// Complaints of the validation layer, which are our own bugs.
+    pub(super) fn check(&self) {
+        #[cfg(feature = "gpu")]
+        if let Device::Gpu(context) = self {
+            for message in context.validation_messages() {
+                tracing::error!("validation: {message}");
+            }
+        }
+    }
+}
+
+/// `INVERTEX_VALIDATION=1` loads the validation layer, for reports of bugs.
+#[cfg(feature = "gpu")]
+fn validation() -> bool {
+    std::env::var_os("INVERTEX_VALIDATION").is_some_and(|value| value == "1")
+}

@@ -1,0 +1,210 @@
+//! From a model to pictures: what `render` and `demo` share.
+//!
+//! In: a model, a mode, a level. Out: a [`Renderer`] that holds the staged picture, and images as files' bytes.
+
+use std::sync::Arc;
+
+use invertex::asset::{Built, Model};
+use invertex::output::{Aov, encode_exr, encode_png};
+use invertex::render::{Correspond, Options, Output, Rendered, Renderer, Subject, stage};
+use invertex::scene::Material;
+use invertex::{Error, Result};
+
+use super::device::Device;
+use super::lod_choice::in_chain;
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Mode {
+    /// The original model.
+    Reference,
+    /// A LoD with the inverse texture: all of the reference's appearance.
+    Igt,
+    /// The same LoD with texture coordinates at its corners, as an ordinary renderer would.
+    Plain,
+    /// World-space normals as colours (of a LoD, through the inverse texture).
+    Normals,
+    /// Like igt, with the drawn triangles' edges over it.
+    Wireframe,
+    /// Table fetches of each pixel in false colour.
+    Fetches,
+}
+
+/// How light falls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Shading {
+    /// Base colour alone.
+    Unlit,
+    /// One directional light and an ambient one.
+    Lit,
+}
+
+impl Mode {
+    /// Whether a model without inverse textures cannot be drawn so.
+    pub(super) fn needs_tables(self) -> bool {
+        matches!(self, Mode::Igt | Mode::Plain | Mode::Fetches)
+    }
+
+    fn correspond(self, built: bool) -> Correspond {
+        match self {
+            Mode::Reference => Correspond::Reference,
+            Mode::Plain => Correspond::Plain,
+            _ if built => Correspond::Inverse,
+            _ => Correspond::Reference,
+        }
+    }
+}
+
+/// The renderer's options for a mode.
+pub(super) fn options(mode: Mode, shading: Shading, samples: u32) -> Options {
+    let output = match (mode, shading) {
+        (Mode::Normals, _) => Output::Normals,
+        (Mode::Fetches, _) => Output::Fetches,
+        (_, Shading::Lit) => Output::Lit,
+        (_, Shading::Unlit) => Output::Unlit,
+    };
+    Options { output, wireframe: mode == Mode::Wireframe, samples, ..Options::default() }
+}
+
+/// Stages `model` at `level` and makes it ready on `device`; also what was replaced on the way.
+pub(super) fn renderer(
+    model: &Model,
+    level: usize,
+    mode: Mode,
+    shading: Shading,
+    device: &Device,
+) -> Result<(Renderer, Vec<String>)> {
+    let lit = shading == Shading::Lit || mode == Mode::Normals;
+    let (picture, warnings) = match model {
+        Model::Plain(scene) => stage(scene, &[], Correspond::Reference, lit)?,
+        Model::Built(built) => stage(&built.scene, &subjects(built, level), mode.correspond(true), lit)?,
+    };
+    let renderer = match device {
+        Device::Cpu => Renderer::cpu(picture),
+        #[cfg(feature = "gpu")]
+        Device::Gpu(context) => Renderer::on(context, picture)?,
+    };
+    Ok((renderer, warnings))
+}
+
+/// Centre and radius of a sphere round the reference as it stands in the world, so that every level is framed alike.
+pub(super) fn reference_sphere(model: &Model) -> Result<([f64; 3], f64)> {
+    // Textures have no extent; without them nothing needs to be decoded.
+    let mut bare = model.scene().clone();
+    bare.materials = vec![Material::default(); bare.materials.len()];
+    Ok(stage(&bare, &[], Correspond::Reference, false)?.0.bounding_sphere())
+}
+
+/// What each mesh is drawn with at `level`.
+fn subjects(built: &Built, level: usize) -> Vec<Subject<'_>> {
+    let subject = |mesh: usize| match built.of_mesh(mesh) {
+        None => Subject::default(),
+        Some(b) => Subject {
+            tables: Some(Arc::new(b.tables.clone())),
+            lod: in_chain(b.lods.len(), level).map(|k| &b.lods[k]),
+            layers: &b.triangle_layer,
+        },
+    };
+    (0..built.scene.meshes.len()).map(subject).collect()
+}
+
+/// The format of an image file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    /// 8-bit sRGB.
+    Png,
+    /// Linear float.
+    Exr,
+}
+
+impl Format {
+    /// By the end of a file's name.
+    pub(super) fn of(name: &std::path::Path) -> Option<Self> {
+        match name.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "png" => Some(Format::Png),
+            "exr" => Some(Format::Exr),
+            _ => None,
+        }
+    }
+}
+
+/// An image as a file's bytes.
+pub(super) fn encode(image: &Rendered, format: Format, aov: bool) -> Result<Vec<u8>> {
+    if format == Format::Png {
+        return encode_png(image.width, image.height, &image.rgba8);
+    }
+    let nothing = |k: usize| image.triangle[k] == u32::MAX;
+    let full = |(k, b): (usize, &[f32; 2])| if nothing(k) { [0.0; 3] } else { [1.0 - b[0] - b[1], b[0], b[1]] };
+    let barycentric: Vec<[f32; 3]> = image.barycentric.iter().enumerate().map(full).collect();
+    let layers =
+        Aov { triangle: &image.triangle, barycentric: &barycentric, fetches: &image.fetches, depth: &image.depth };
+    encode_exr(image.width, image.height, &image.linear, aov.then_some(layers))
+}
+
+/// A colour to lay pictures over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Background([u8; 3]);
+
+impl std::str::FromStr for Background {
+    type Err = String;
+
+    /// `#rrggbb`.
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let digits = text.strip_prefix('#').unwrap_or(text);
+        let number = u32::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 6 && digits.is_ascii());
+        let [_, r, g, b] = number.ok_or_else(|| format!("\"{text}\" is not a colour #rrggbb"))?.to_be_bytes();
+        Ok(Background([r, g, b]))
+    }
+}
+
+impl Background {
+    /// Lays `image` over the colour: every pixel becomes opaque.
+    pub(super) fn under(self, image: &mut Rendered) {
+        for pixel in image.rgba8.chunks_exact_mut(4) {
+            let alpha = u32::from(pixel[3]);
+            for k in 0..3 {
+                let over = u32::from(pixel[k]) * alpha + u32::from(self.0[k]) * (255 - alpha);
+                pixel[k] = ((over + 127) / 255) as u8;
+            }
+            pixel[3] = 255;
+        }
+        let linear = self.0.map(|c| linear(f32::from(c) / 255.0));
+        for pixel in &mut image.linear {
+            let alpha = pixel[3];
+            for k in 0..3 {
+                pixel[k] = pixel[k] * alpha + linear[k] * (1.0 - alpha);
+            }
+            pixel[3] = 1.0;
+        }
+    }
+}
+
+/// sRGB to linear (IEC 61966-2-1).
+fn linear(x: f32) -> f32 {
+    if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}
+
+/// A model with everything but the mesh called `name` left out.
+///
+/// # Errors
+/// [`Error::Input`] listing the meshes there are.
+pub(super) fn only(model: &mut Model, name: &str) -> Result<()> {
+    let scene = match model {
+        Model::Plain(scene) => scene.as_mut(),
+        Model::Built(built) => &mut built.scene,
+    };
+    let keep = super::mesh_named(&scene.name, scene.meshes.iter().map(|m| m.name.as_str()), name)?;
+    if !scene.instances().iter().any(|instance| instance.mesh == keep) {
+        let reason = "stands nowhere in the file's default scene, or has no triangles".to_owned();
+        return Err(Error::input(&scene.name, format!("mesh \"{name}\""), reason));
+    }
+    for (k, mesh) in scene.meshes.iter_mut().enumerate().filter(|(k, _)| *k != keep) {
+        tracing::trace!("mesh {k} is left out");
+        mesh.triangles.clear();
+        mesh.triangle_material.clear();
+    }
+    if let Model::Built(built) = model {
+        built.meshes.retain(|mesh| mesh.mesh == keep);
+    }
+    Ok(())
+}
