@@ -34,8 +34,20 @@ fn cases() -> Vec<(Mesh, PrimaryKind)> {
         (shapes::octahedron(), PrimaryKind::Sphere),
         (shapes::tetrahedron(), PrimaryKind::Sphere),
         (shapes::icosphere(4), PrimaryKind::Sphere),
+        // Everything in a few texels: lists too long for one invocation to sort.
+        (crowded(), PrimaryKind::UvSet(0)),
         (shapes::uv_sphere(60, 40), PrimaryKind::Sphere),
     ]
+}
+
+/// 9800 triangles in a hundredth of the domain's width, beside one that spans it.
+fn crowded() -> Mesh {
+    let mut mesh = shapes::grid(70);
+    for uv in &mut mesh.uv_sets[0] {
+        *uv = [uv[0] * 0.01, uv[1] * 0.01];
+    }
+    mesh.uv_sets[0][0] = [1.0, 1.0];
+    mesh
 }
 
 /// A mesh that asks from outside: the reference without every third triangle stands in for a reference with holes.
@@ -66,7 +78,7 @@ fn every_device_builds_the_bytes_of_the_cpu() {
                 (Layout::Packed, 64),
                 (Layout::Classic, 64),
                 (Layout::Packed, 4),
-                (Layout::Packed, 256),
+                (Layout::Packed, 128),
             ] {
                 let reference = Reference::new(&mesh, &primary, &layer, layout).unwrap();
                 let asking: Vec<u8> = (0..whole.triangles.len()).map(|i| (i % 2) as u8).collect();
@@ -108,7 +120,7 @@ fn same_answers(context: &Context, tables: &igt::Tables, what: &str) {
             .wrapping_add(1442695040888963407);
         (((state >> 33) as u32) as i32) >> 1
     };
-    let mut points: Vec<[i32; 3]> = (0..3000)
+    let mut points: Vec<[i32; 3]> = (0..500)
         .map(|_| [next() >> 1, next() >> 1, next() >> 1])
         .collect();
     points.extend([

@@ -1,8 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// For each needed (texel, layer) without a triangle of the layer: the nearest texels' triangles. Twin of igt::gutter.
+// For each needed (texel, layer) without a triangle of the layer: the nearest texels' triangles. Twin of igt::gutter,
+// which says why the work of a thread is bounded.
 layout(local_size_x = 64) in;
 #define MOST 8
+#define PER_TEXEL 16u
 #define UNREACHED 0xffffffffu
 // Words of an answer: ring, count, triangles.
 #define ANSWER 10u
@@ -13,6 +15,8 @@ layout(std430, binding = 2) readonly buffer Lists { uint words[]; } lists;
 layout(std430, binding = 3) readonly buffer Layers { uint words[]; } layers;
 layout(std430, binding = 4) readonly buffer Needs { uvec2 pairs[]; } needs;
 layout(std430, binding = 5) writeonly buffer Answers { uint words[]; } answers;
+// Bit (layer mod 32) is set where the texel's list may have the layer.
+layout(std430, binding = 6) readonly buffer Masks { uint words[]; } masks;
 layout(push_constant) uniform Push { uint line; uint bits; uint count; uint reach; } push;
 
 #include "common/igt_line.glsl"
@@ -38,6 +42,7 @@ int neighbour(ivec2 at, ivec2 offset) {
 }
 
 bool has(uint texel, uint layer) {
+    if ((masks.words[texel] >> (layer & 31u) & 1u) == 0u) return false;
     uint start = starts.words[texel], count = lengths.words[texel];
     for (uint i = 0u; i < count; i++) {
         if (layer_of(lists.words[start + i]) == layer) return true;
@@ -80,14 +85,21 @@ ivec2 ring_offset(int r, int i) {
 }
 
 void gather(ivec2 at, int r, uint layer) {
+    uint nearest = UNREACHED;
     for (int i = 0; i < 8 * r; i++) {
         ivec2 d = ring_offset(r, i);
         int texel = neighbour(at, d);
-        if (texel < 0) continue;
-        uint start = starts.words[texel], count = lengths.words[texel];
+        if (texel >= 0 && has(uint(texel), layer)) nearest = min(nearest, uint(d.x * d.x + d.y * d.y));
+    }
+    for (int i = 0; i < 8 * r; i++) {
+        ivec2 d = ring_offset(r, i);
+        uint distance2 = uint(d.x * d.x + d.y * d.y);
+        int texel = neighbour(at, d);
+        if (texel < 0 || distance2 > nearest + uint(r)) continue;
+        uint start = starts.words[texel], count = min(lengths.words[texel], PER_TEXEL);
         for (uint k = 0u; k < count; k++) {
             uint triangle = lists.words[start + k];
-            if (layer_of(triangle) == layer) keep(uint(d.x * d.x + d.y * d.y), triangle);
+            if (layer_of(triangle) == layer) keep(distance2, triangle);
         }
     }
 }
@@ -114,7 +126,6 @@ void main() {
     }
     if (ring != 0u && ring != UNREACHED) {
         gather(at, int(ring), layer);
-        gather(at, int(ring) + 1, layer);
     }
     uint count = 0u;
     for (int i = 0; i < MOST; i++) {

@@ -1,8 +1,11 @@
 //! The gutter: entries for points of LoDs that lie outside the reference's charts.
 //!
 //! In: base lists and the [`Needs`]: which (texel, layer) pairs the LoDs touch. Out: for each needed pair whose texel has no
-//! triangle of that layer, up to [`MOST`] triangles of the layer from the nearest texels that have some; the lookup then
-//! picks the nearest point among them. Integers only. Twin of `glsl/igt/gutter.comp`.
+//! triangle of that layer, up to [`MOST`] triangles of the layer from the nearest ring of texels that has some; the
+//! lookup then picks the nearest point among them. Integers only. Twin of `glsl/igt/gutter.comp`.
+//!
+//! The work of one pair is bounded ([`REACH`], [`PER_TEXEL`]) for the device's sake: llvmpipe ends the loops of a shader
+//! invocation after 65535 iterations in total, silently.
 
 use super::Reference;
 use super::build::{Lists, for_each_texel};
@@ -12,7 +15,9 @@ use rayon::prelude::*;
 /// The most gutter entries of a (texel, layer) pair.
 pub const MOST: usize = 8;
 /// The farthest ring of texels searched.
-pub const REACH: u32 = 128;
+pub const REACH: u32 = 48;
+/// How many entries of one texel's list are considered.
+pub const PER_TEXEL: usize = 16;
 
 /// The (texel, layer) pairs that LoDs touch, ascending: `texel << 8 | layer`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -146,22 +151,31 @@ fn search(line: Line, bits: u32, lists: &Lists, layer: &[u8], pair: u64) -> Foun
         return found;
     };
     found.ring = ring;
+    let distance = |d: [i32; 2]| (d[0] * d[0] + d[1] * d[1]) as u64;
+    let mut nearest = u64::MAX;
+    ring_any(ring, |d| {
+        if neighbour(line, bits, at, d).is_some_and(has) {
+            nearest = nearest.min(distance(d));
+        }
+        false
+    });
     let mut keys = [u64::MAX; MOST];
-    for r in [ring, ring + 1] {
-        ring_any(r, |d| {
-            if let Some(t) = neighbour(line, bits, at, d) {
-                let distance = (d[0] * d[0] + d[1] * d[1]) as u64;
-                for i in lists
-                    .of(t as usize)
-                    .iter()
-                    .filter(|i| layer[**i as usize] == wanted)
-                {
-                    keep(&mut keys, distance << 32 | *i as u64);
-                }
+    ring_any(ring, |d| {
+        // A triangle that comes nearest need not lie in the nearest texel: take in those about half a texel farther.
+        if distance(d) <= nearest + ring as u64
+            && let Some(t) = neighbour(line, bits, at, d)
+        {
+            for i in lists
+                .of(t as usize)
+                .iter()
+                .take(PER_TEXEL)
+                .filter(|i| layer[**i as usize] == wanted)
+            {
+                keep(&mut keys, distance(d) << 32 | *i as u64);
             }
-            false
-        });
-    }
+        }
+        false
+    });
     for (slot, key) in found.triangles.iter_mut().zip(keys) {
         if key != u64::MAX {
             *slot = key as u32;

@@ -35,9 +35,9 @@ pub fn build(
     let mut timings = Vec::new();
     let mesh = Upload::new(context, reference)?;
     let covered = cover(context, reference, &mesh, bits, &mut timings)?;
-    let raw = order(context, &covered, bits, &mut timings)?;
-    let gutter = fill_gutter(context, reference, &raw, needs, bits, &mut timings)?;
+    let raw = order(context, reference, &covered, bits, &mut timings)?;
     let lists = download(context, &raw, bits)?;
+    let gutter = fill_gutter(context, reference, &raw, needs, bits, &mut timings)?;
     let tables = finish(reference, options, &lists, &gutter)?;
     Ok(Timed { tables, timings })
 }
@@ -153,15 +153,21 @@ fn extra_boxes(reference: &Reference, line: Line) -> u64 {
         .count() as u64
 }
 
+/// Lists longer than this are sorted by the host, see `glsl/igt/order.comp`.
+const LONGEST: u32 = 2048;
+
 /// Lists with gaps: texel t's are `lists[starts[t]..starts[t] + lengths[t]]`.
 struct Raw {
     starts: Buffer,
     lengths: Buffer,
     lists: Buffer,
+    layers: Buffer,
+    masks: Buffer,
 }
 
 fn order(
     context: &Context,
+    reference: &Reference,
     covered: &Covered,
     bits: u32,
     timings: &mut Vec<Timings>,
@@ -171,6 +177,10 @@ fn order(
     let cursors = context.storage("cursors", (texels + 1) * 4)?;
     let lists = context.storage("raw lists", (covered.items as u64).max(1) * 4)?;
     let lengths = context.storage("list lengths", texels * 4)?;
+    let masks = context.storage("list layers", texels * 4)?;
+    let mut layers = reference.layer.clone();
+    layers.resize(layers.len().next_multiple_of(4), 0);
+    let layers = context.upload("layers", &layers)?;
 
     use shaders::{igt_order as order, igt_scatter as scatter};
     let mut recorder = context.recorder("igt lists")?;
@@ -193,6 +203,8 @@ fn order(
         starts,
         lists: &lists,
         lengths: &lengths,
+        layers: &layers,
+        masks: &masks,
     };
     let bound = context.compute::<order::Shader>()?.bind(&bindings)?;
     recorder.dispatch(
@@ -207,6 +219,8 @@ fn order(
         starts: covered.counts.clone(),
         lengths,
         lists,
+        layers,
+        masks,
     })
 }
 
@@ -221,9 +235,6 @@ fn fill_gutter(
     if needs.pairs.is_empty() {
         return Ok(Gutter::from_found(&[], std::iter::empty()));
     }
-    let mut layers = reference.layer.clone();
-    layers.resize(layers.len().next_multiple_of(4), 0);
-    let layers = context.upload("layers", &layers)?;
     use shaders::igt_gutter as pass;
     let mut found = Vec::with_capacity(needs.pairs.len());
     for block in needs.pairs.chunks(1 << 20) {
@@ -237,7 +248,8 @@ fn fill_gutter(
             starts: &raw.starts,
             lengths: &raw.lengths,
             lists: &raw.lists,
-            layers: &layers,
+            layers: &raw.layers,
+            masks: &raw.masks,
             needs: &needs,
             answers: &answers,
         };
@@ -261,13 +273,17 @@ fn fill_gutter(
     Ok(Gutter::from_found(&needs.pairs, found.into_iter()))
 }
 
-/// Brings the lists home and closes the gaps that doubles left.
+/// Brings the lists home, sorts those that were too long for the device, and closes the gaps that doubles left.
 fn download(context: &Context, raw: &Raw, bits: u32) -> Result<Lists> {
     let texels = 1usize << (2 * bits);
     let starts: Vec<u32> = context.download(&raw.starts)?;
-    let lengths: Vec<u32> = context.download(&raw.lengths)?;
+    let mut lengths: Vec<u32> = context.download(&raw.lengths)?;
     let mut items: Vec<u32> = context.download(&raw.lists)?;
     items.truncate(starts[texels] as usize);
+    if sort_long(&starts, &mut lengths, &mut items) {
+        context.write(&raw.lengths, 0, bytemuck::cast_slice(&lengths))?;
+        context.write(&raw.lists, 0, bytemuck::cast_slice(&items))?;
+    }
     if (0..texels).all(|t| starts[t] + lengths[t] == starts[t + 1]) {
         return Ok(Lists {
             start: starts[..=texels].to_vec(),
@@ -286,4 +302,27 @@ fn download(context: &Context, raw: &Raw, bits: u32) -> Result<Lists> {
     }
     lists.start.push(lists.items.len() as u32);
     Ok(lists)
+}
+
+/// Sorts the lists over [`LONGEST`] and drops their doubles; whether there were any.
+fn sort_long(starts: &[u32], lengths: &mut [u32], items: &mut [u32]) -> bool {
+    let mut any = false;
+    for (t, length) in lengths
+        .iter_mut()
+        .enumerate()
+        .filter(|(_, length)| **length > LONGEST)
+    {
+        any = true;
+        let list = &mut items[starts[t] as usize..starts[t + 1] as usize];
+        list.sort_unstable();
+        let mut kept = 0;
+        for i in 0..list.len() {
+            if kept == 0 || list[kept - 1] != list[i] {
+                list[kept] = list[i];
+                kept += 1;
+            }
+        }
+        *length = kept as u32;
+    }
+    any
 }
