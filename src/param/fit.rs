@@ -57,8 +57,9 @@ pub struct Fit {
 /// Every primary that can be had from the mesh: uv sets, planes, cylinders, the sphere, in this order. One that maps
 /// more than half of the surface to nothing (a uv set in one point, a sphere about a flat thing) cannot be had.
 pub fn fits(mesh: &Mesh) -> Vec<Fit> {
-    let mut kinds: Vec<PrimaryKind> = (0..mesh.uv_sets.len().min(256))
-        .map(|set| PrimaryKind::UvSet(set as u8))
+    let mut kinds: Vec<PrimaryKind> = (0..=u8::MAX)
+        .map(PrimaryKind::UvSet)
+        .filter(|&kind| exists(mesh, kind))
         .collect();
     kinds.extend(Axis::ALL.map(PrimaryKind::Plane));
     kinds.extend(Axis::ALL.map(PrimaryKind::Cylinder));
@@ -78,15 +79,19 @@ pub fn fits(mesh: &Mesh) -> Vec<Fit> {
 
 /// How `kind` fits, with its origin at `centre` (T3) or at the best point found. `None` where it cannot be had.
 pub fn fit(mesh: &Mesh, kind: PrimaryKind, centre: Option<[f64; 3]>) -> Option<Fit> {
-    if let PrimaryKind::UvSet(set) = kind
-        && mesh
-            .uv_sets
-            .get(set as usize)
-            .is_none_or(|uv| uv.len() != mesh.positions.len())
-    {
-        return None;
-    }
-    fit_with(mesh, kind, centre, parts_of(mesh, kind))
+    exists(mesh, kind)
+        .then(|| parts_of(mesh, kind))
+        .and_then(|parts| fit_with(mesh, kind, centre, parts))
+}
+
+/// Whether the mesh has what the primary is made from.
+fn exists(mesh: &Mesh, kind: PrimaryKind) -> bool {
+    let PrimaryKind::UvSet(set) = kind else {
+        return true;
+    };
+    mesh.uv_sets
+        .get(set as usize)
+        .is_some_and(|uv| uv.len() == mesh.positions.len())
 }
 
 /// [`fit`] with the parts known; the uv set exists.

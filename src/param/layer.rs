@@ -84,13 +84,17 @@ fn colour(mesh: &Mesh, primary: &Primary, parts: &mut Parts) {
     for (number, group) in by_part(parts).into_iter().enumerate() {
         let footprint = raster.footprint(number as u32 + 1, group.iter().map(|&t| corners(t)));
         let mut used = Layers::default();
-        raster.near(&footprint, |cell| used.join(cell));
+        footprint
+            .iter()
+            .for_each(|&cell| used.join(&raster.cells[cell as usize]));
         let mut layer = used.lowest_free();
         if layer >= LAYERS {
             layer = LAYERS - 1;
             parts.crowded_parts += 1;
         }
-        raster.near(&footprint, |cell| cell.insert(layer));
+        footprint
+            .iter()
+            .for_each(|&cell| raster.cells[cell as usize].insert(layer));
         group
             .iter()
             .for_each(|&t| parts.triangle_layer[t as usize] = layer as u8);
@@ -135,7 +139,7 @@ impl Raster {
         }
     }
 
-    /// The cells of the triangles' bounding rectangles, each once. `stamp` is the part's own number, not 0.
+    /// The cells of the triangles' bounding rectangles, grown by [`DILATION`], each once. `stamp` is the part's own number, not 0.
     fn footprint(
         &mut self,
         stamp: u32,
@@ -159,31 +163,12 @@ impl Raster {
         }
         footprint
     }
-
-    /// Visits every cell within [`DILATION`] of the footprint (some more than once).
-    fn near(&mut self, footprint: &[u32], mut visit: impl FnMut(&mut Layers)) {
-        let side = self.side;
-        for &cell in footprint {
-            let (sheet, row, column) = (
-                cell as usize / (side * side),
-                cell as usize / side % side,
-                cell as usize % side,
-            );
-            let columns = column.saturating_sub(DILATION)..(column + DILATION + 1).min(side);
-            for row in row.saturating_sub(DILATION)..(row + DILATION + 1).min(side) {
-                let start = (sheet * side + row) * side;
-                self.cells[start + columns.start..start + columns.end]
-                    .iter_mut()
-                    .for_each(&mut visit);
-            }
-        }
-    }
 }
 
-/// Columns and rows of the cells that a rectangle on a sheet touches.
-fn cells(piece: &Piece, side: usize) -> [std::ops::RangeInclusive<usize>; 2] {
+/// Columns and rows of the cells that a rectangle on a sheet touches, grown by [`DILATION`] and cut to the sheet.
+fn cells(piece: &Piece, side: usize) -> [std::ops::Range<usize>; 2] {
     [0, 1].map(|i| {
         let cell = |x: f64| (x * side as f64).floor().clamp(0.0, side as f64 - 1.0) as usize;
-        cell(piece.low[i])..=cell(piece.high[i])
+        cell(piece.low[i]).saturating_sub(DILATION)..(cell(piece.high[i]) + DILATION + 1).min(side)
     })
 }
