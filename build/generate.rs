@@ -2,8 +2,11 @@
 //! `Shader`, `Bindings` and `Push`, and `types` with the structs that blocks are made of.
 
 use crate::layout::{Structs, definition};
-use crate::reflect::{Interface, Slot};
+use crate::reflect::{Interface, Slot, most_storage_buffers};
 use std::fmt::Write;
+
+/// The bytes of push constants that every device has.
+const PUSH_MOST: usize = 128;
 
 /// The text of `shaders.rs`.
 pub(crate) fn module(pipelines: &[Interface]) -> Result<String, String> {
@@ -13,6 +16,12 @@ pub(crate) fn module(pipelines: &[Interface]) -> Result<String, String> {
         text += &pipeline_module(pipeline, &mut structs)
             .map_err(|reason| format!("{}: {reason}", pipeline.name))?;
     }
+    let most = most_storage_buffers(pipelines);
+    let _ = writeln!(
+        text,
+        "/// The most storage buffers that one stage of one of these pipelines uses.\n\
+         pub const MOST_STORAGE_BUFFERS: u64 = {most};"
+    );
     let _ = write!(
         text,
         "/// Structs that shader blocks are made of.\npub mod types {{\n{}}}\n",
@@ -49,10 +58,17 @@ fn pipeline_module(pipeline: &Interface, structs: &mut Structs) -> Result<String
     text += &bindings(&pipeline.slots);
     let push = match &pipeline.push {
         Some((block, _)) => {
+            let members = structs.members(block)?;
+            let bytes = members.last().map_or(0, |last| last.offset + last.bytes);
+            if bytes > PUSH_MOST {
+                return Err(format!(
+                    "{bytes} bytes of push constants; every device has {PUSH_MOST}"
+                ));
+            }
             text += &definition(
                 "Push",
                 &format!("The push constants of {}.", sources.join(" and ")),
-                &structs.members(block)?,
+                &members,
             );
             "Push"
         }

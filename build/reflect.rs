@@ -5,6 +5,9 @@ use crate::source::Source;
 use spirq::prelude::*;
 use spirq::ty::StructType;
 
+/// The largest workgroup that every device in use has.
+const WORKGROUP_MOST: u32 = 256;
+
 /// A pipeline's view of its resources.
 pub(crate) struct Interface {
     /// `<stage>_<pass>`.
@@ -92,8 +95,32 @@ pub(crate) fn stage(source: &Source, binary: &[u8]) -> Result<Interface, String>
             Variable::Input { .. } | Variable::Output { .. } => {}
         }
     }
+    let invocations: u32 = interface.workgroup.iter().product();
+    if invocations > WORKGROUP_MOST {
+        return Err(format!(
+            "{invocations} invocations in a workgroup; {WORKGROUP_MOST} run everywhere"
+        ));
+    }
     interface.check_slots()?;
     Ok(interface)
+}
+
+/// The most storage buffers that one stage of one pipeline uses: what a device must offer.
+pub(crate) fn most_storage_buffers(pipelines: &[Interface]) -> usize {
+    let storage = |pipeline: &Interface, extension: &String| {
+        let used = pipeline
+            .slots
+            .iter()
+            .filter(|slot| slot.kind == "StorageBuffer");
+        used.filter(|slot| slot.stages.contains(extension)).count()
+    };
+    let counts = pipelines.iter().flat_map(|pipeline| {
+        pipeline
+            .stages
+            .iter()
+            .map(move |(extension, ..)| storage(pipeline, extension))
+    });
+    counts.max().unwrap_or(0)
 }
 
 fn kind(ty: &DescriptorType) -> Option<&'static str> {
