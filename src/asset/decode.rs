@@ -49,7 +49,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Built> {
             format!("has no {EXTENSION}: not a built model; run build first"),
         ));
     }
-    let root: RootExtension = parse(name, "extensions", extension)?;
+    let root: RootExtension = parse(name, "", extension)?;
     if root.version != VERSION {
         return Err(Error::input(
             name,
@@ -64,7 +64,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Built> {
         let extension = &json["meshes"][mesh]["extensions"][EXTENSION];
         if !extension.is_null() {
             let element = format!("meshes[{mesh}]");
-            let extension = parse(name, &element, extension)?;
+            let extension = parse(name, &format!("{element}."), extension)?;
             let reading = Reading {
                 name,
                 full: &full,
@@ -83,7 +83,7 @@ fn parse<T: for<'de> Deserialize<'de>>(name: &str, element: &str, value: &Value)
     T::deserialize(value).map_err(|e| {
         Error::input(
             name,
-            format!("{element}.extensions.{EXTENSION}"),
+            format!("{element}extensions.{EXTENSION}"),
             e.to_string(),
         )
     })

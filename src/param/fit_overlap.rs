@@ -45,13 +45,40 @@ struct Texel {
     within: bool,
 }
 
-/// Draws all triangles on sheets of `side` x `side` texels. `corner(t)` gives triangle `t` in T3, `part[t]` its part.
+/// Most texels that one drawing tests: many triangles that each cover everything are drawn more coarsely instead of taking
+/// hours. No model that makes sense comes near.
+const MOST_TESTS: f64 = (1u64 << 26) as f64;
+/// The coarsest sheets.
+const LEAST_SIDE: usize = 16;
+
+/// The finest side, `side` or a half, quarter, ... of it, at which drawing stays below [`MOST_TESTS`].
+fn affordable(
+    domain: &Domain,
+    mut side: usize,
+    triangles: usize,
+    corner: impl Fn(usize) -> [[f64; 3]; 3],
+) -> usize {
+    let mut area = 0.0;
+    for t in 0..triangles {
+        domain.pieces(&corner(t), |piece| {
+            let extent = |i: usize| piece.high[i].min(1.0) - piece.low[i].max(0.0);
+            area += extent(0).max(0.0) * extent(1).max(0.0);
+        });
+    }
+    while side > LEAST_SIDE && area * (side * side) as f64 > MOST_TESTS {
+        side /= 2;
+    }
+    side
+}
+
+/// Draws all triangles on sheets of `side` x `side` texels, or coarser (see [`affordable`]). `corner(t)` gives triangle `t` in T3, `part[t]` its part.
 pub(crate) fn measure(
     domain: &Domain,
     side: usize,
     part: &[u32],
     corner: impl Fn(usize) -> [[f64; 3]; 3],
 ) -> Overlap {
+    let side = affordable(domain, side, part.len(), &corner);
     let mut texels = vec![
         Texel {
             part: 0,
@@ -157,6 +184,17 @@ mod tests {
         assert_eq!(apart.overlapped_within, 0);
         assert_eq!(one.overlapped_within, one.overlapped);
         assert!(apart.shared_by.iter().all(|&n| n > 0));
+    }
+
+    /// A hundred thousand triangles, each over all of the tile: still done at once, and still an overlap.
+    #[test]
+    fn triangles_that_all_cover_everything_take_no_time() {
+        let everything = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 90.0, 0.0]];
+        let parts: Vec<u32> = (0..100_000).collect();
+        let tile = Domain::tile([0.0, 0.0]);
+        let overlap = measure(&tile, LAYOUT_TEXELS, &parts, |_| everything);
+        assert_eq!(overlap.fraction(), 1.0);
+        assert_eq!(affordable(&tile, 2048, 2, |_| everything), 2048);
     }
 
     #[test]

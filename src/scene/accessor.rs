@@ -4,6 +4,7 @@
 //! its view. All arithmetic is checked 64-bit; memory is charged to a budget before it is allocated, so that neither a count
 //! nor a thousand accessors over the same bytes ask for more than the file's size justifies.
 
+use super::component::{Component, layout};
 use super::document::View;
 use super::json::{Accessor, SparsePart, at};
 use crate::{Error, Result};
@@ -12,86 +13,6 @@ use std::cell::Cell;
 /// Numbers may take up this many bytes, and `BUDGET_FACTOR` times the file's bytes.
 const BUDGET_BASE: u64 = 64 << 20;
 const BUDGET_FACTOR: u64 = 64;
-
-/// The type of a component, by its OpenGL number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
-}
-
-impl Component {
-    fn from_number(number: u32) -> Option<Component> {
-        Some(match number {
-            5120 => Component::I8,
-            5121 => Component::U8,
-            5122 => Component::I16,
-            5123 => Component::U16,
-            5125 => Component::U32,
-            5126 => Component::F32,
-            _ => return None,
-        })
-    }
-
-    fn size(self) -> usize {
-        match self {
-            Component::I8 | Component::U8 => 1,
-            Component::I16 | Component::U16 => 2,
-            Component::U32 | Component::F32 => 4,
-        }
-    }
-
-    /// The value at the start of `bytes` as a float, normalized as glTF 3.6.2.2 says if so asked.
-    fn float(self, bytes: &[u8], normalized: bool) -> f32 {
-        let whole = match self {
-            Component::F32 => return f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
-            Component::U32 => u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as f32,
-            Component::I8 => f32::from(bytes[0] as i8),
-            Component::U8 => f32::from(bytes[0]),
-            Component::I16 => f32::from(i16::from_le_bytes([bytes[0], bytes[1]])),
-            Component::U16 => f32::from(u16::from_le_bytes([bytes[0], bytes[1]])),
-        };
-        let largest = match self {
-            _ if !normalized => return whole,
-            Component::I8 => 127.0,
-            Component::U8 => 255.0,
-            Component::I16 => 32_767.0,
-            Component::U16 => 65_535.0,
-            Component::U32 | Component::F32 => return whole,
-        };
-        (whole / largest).max(-1.0)
-    }
-
-    /// The value at the start of `bytes` as an unsigned integer; `None` for signed and float types.
-    fn unsigned(self, bytes: &[u8]) -> Option<u32> {
-        match self {
-            Component::U8 => Some(bytes[0].into()),
-            Component::U16 => Some(u16::from_le_bytes([bytes[0], bytes[1]]).into()),
-            Component::U32 => Some(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
-            _ => None,
-        }
-    }
-}
-
-/// Components of an element and its bytes (matrix columns start at multiples of 4 bytes).
-fn layout(kind: &str, component: Component) -> Option<(usize, usize)> {
-    let size = component.size();
-    let matrix = |n: usize| (n * n, n * (n * size).next_multiple_of(4));
-    Some(match kind {
-        "SCALAR" => (1, size),
-        "VEC2" => (2, 2 * size),
-        "VEC3" => (3, 3 * size),
-        "VEC4" => (4, 4 * size),
-        "MAT2" => matrix(2),
-        "MAT3" => matrix(3),
-        "MAT4" => matrix(4),
-        _ => return None,
-    })
-}
 
 /// One accessor, checked: all its elements lie inside the binary.
 pub(super) struct Checked<'a> {
