@@ -27,7 +27,7 @@ fn contexts() -> Vec<Context> {
 
 fn cases() -> Vec<(Mesh, PrimaryKind)> {
     vec![
-        (shapes::grid(40), PrimaryKind::UvSet(0)),
+        (shapes::grid(20), PrimaryKind::UvSet(0)),
         (shapes::grid(3), PrimaryKind::Plane(Axis::Z)),
         (shapes::tube(50, 9), PrimaryKind::Cylinder(Axis::Z)),
         (shapes::uv_sphere(24, 12), PrimaryKind::Cylinder(Axis::Y)),

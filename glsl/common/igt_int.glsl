@@ -80,24 +80,18 @@ uvec3 igt_abs96(uvec3 a) {
     return int(a.z) < 0 ? igt_negate96(a) : a;
 }
 
-// The number of bits of a word (findMSB of words with the top bit set is wrong on llvmpipe 22.3).
-int igt_bits32(uint a) {
-    int bits = 0;
-    if (a >= 0x10000u) { bits += 16; a >>= 16; }
-    if (a >= 0x100u) { bits += 8; a >>= 8; }
-    if (a >= 0x10u) { bits += 4; a >>= 4; }
-    if (a >= 0x4u) { bits += 2; a >>= 2; }
-    return bits + int(min(a, 2u));
-}
-
 // The number of bits of a non-negative value.
 int igt_bits96(uvec3 a) {
-    return a.z != 0u ? igt_bits32(a.z) + 64 : (a.y != 0u ? igt_bits32(a.y) + 32 : igt_bits32(a.x));
+    return a.z != 0u ? findMSB(a.z) + 65 : (a.y != 0u ? findMSB(a.y) + 33 : findMSB(a.x) + 1);
 }
 
 // The low 32 bits of a non-negative value shifted right.
 uint igt_shift96(uvec3 a, int shift) {
-    while (shift >= 32) {
+    // Branches, not a loop: llvmpipe 22.3 leaves a loop of two rounds with a wrong value.
+    if (shift >= 64) {
+        a = uvec3(a.z, 0u, 0u);
+        shift -= 64;
+    } else if (shift >= 32) {
         a = uvec3(a.y, a.z, 0u);
         shift -= 32;
     }
