@@ -31,7 +31,10 @@ const FENCED: [(&str, &[&str]); 9] = [
 
 /// Longest source file, and those allowed to be longer, each with its reason.
 const LINES: usize = 400;
-const LONGER: [(&str, &str); 0] = [];
+const LONGER: [(&str, &str); 1] = [(
+    "src/igt/cover.rs",
+    "one conservative test for three families of lines, read beside a shader that is one file too",
+)];
 
 const TOP_LEVEL: &str = "\
     .cargo .ci .git .gitattributes .github .gitignore ARCHITECTURE.md CHANGELOG.md CONTRIBUTING.md Cargo.lock \
