@@ -68,7 +68,7 @@ pub struct Scene {
     /// The model as it came, self-contained.
     pub document: Document,
     /// Object-to-world matrix of every node.
-    world: Vec<glam::DMat4>,
+    pub(crate) world: Vec<glam::DMat4>,
 }
 
 impl Scene {
