@@ -3,6 +3,7 @@
 //   uint  igt_texture_word(uint i)     a word of the texture records
 //   uint  igt_texel_word(uint address) a texel, R in the low byte
 //   float igt_srgb_decoded(uint code)  linear light of an 8-bit sRGB code
+// or IGT_SAMPLE_ELSEWHERE, and then its own vec4 igt_sample(uint id, IgtUvGradient at) after it.
 #ifndef IGT_TEXTURE
 #define IGT_TEXTURE
 #include "common/arithmetic.glsl"
@@ -19,6 +20,8 @@ struct IgtUvGradient {
     vec2 dx;
     vec2 dy;
 };
+
+#ifndef IGT_SAMPLE_ELSEWHERE
 
 vec4 igt_blend(vec4 a, vec4 b, float f) {
     precise float g = 1.0 - f;
@@ -146,5 +149,7 @@ vec4 igt_sample(uint id, IgtUvGradient at) {
     }
     return igt_blend(finer, value, f);
 }
+
+#endif
 
 #endif

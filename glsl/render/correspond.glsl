@@ -79,11 +79,9 @@ Correspondence identity(uint draw, Drawn drawn) {
     return r;
 }
 
-// Through the inverse geometric texture.
-Correspondence inverse_of(uint draw, Drawn drawn) {
-    ivec3 v0 = t3.points[drawn.vertex.x].xyz;
-    ivec3 v1 = t3.points[drawn.vertex.y].xyz;
-    ivec3 v2 = t3.points[drawn.vertex.z].xyz;
+// Through the inverse geometric texture: the reference point of `query`, and its way to the points of the neighbouring
+// pixels' queries.
+Correspondence inverse_at(uint draw, uint layer, ivec3 query, ivec3 query_x, ivec3 query_y, bool has_x, bool has_y) {
     igt_hash_base = draws.records[draw].igt[1];
     igt_list_base = draws.records[draw].igt[2];
     igt_triangle_base = draws.records[draw].igt[3];
@@ -92,8 +90,7 @@ Correspondence inverse_of(uint draw, Drawn drawn) {
     tables.table_layout = draws.records[draw].igt[5];
     tables.flat_t3 = draws.records[draw].igt[6];
     tables.bits = draws.records[draw].igt[7];
-    ivec3 query = query_point(v0, v1, v2, drawn.b);
-    IgtFound found = igt_lookup(tables, query, drawn.layer, true);
+    IgtFound found = igt_lookup(tables, query, layer, true);
     Correspondence r;
     r.fetches = found.fetches;
     r.known = found.triangle != IGT_NOTHING;
@@ -111,10 +108,10 @@ Correspondence inverse_of(uint draw, Drawn drawn) {
     IgtTriangle c = igt_load_triangle(tables, found.triangle, ignored);
     vec3 here = vec3(0.0);
     for (int k = 0; k < 3; k++) {
-        vec3 b = k == 0 ? drawn.b : (k == 1 ? drawn.bx : drawn.by);
-        bool has = k == 0 || (k == 1 ? drawn.has_bx : drawn.has_by);
+        ivec3 q = k == 0 ? query : (k == 1 ? query_x : query_y);
+        bool has = k == 0 || (k == 1 ? has_x : has_y);
         vec3 moved;
-        has = projected_into(tables.line, query_point(v0, v1, v2, b), c.v0, c.v1, c.v2, moved) && has;
+        has = projected_into(tables.line, q, c.v0, c.v1, c.v2, moved) && has;
         precise vec3 step = moved - here;
         if (k == 0) {
             here = moved;
@@ -132,11 +129,19 @@ Correspondence inverse_of(uint draw, Drawn drawn) {
     return r;
 }
 
+#ifndef RENDER_FORWARD
 Correspondence correspond(uint draw, Drawn drawn) {
     if (draws.records[draw].correspondence == 0u) {
         return identity(draw, drawn);
     }
-    return inverse_of(draw, drawn);
+    ivec3 v0 = t3.points[drawn.vertex.x].xyz;
+    ivec3 v1 = t3.points[drawn.vertex.y].xyz;
+    ivec3 v2 = t3.points[drawn.vertex.z].xyz;
+    ivec3 query = query_point(v0, v1, v2, drawn.b);
+    ivec3 query_x = query_point(v0, v1, v2, drawn.bx);
+    ivec3 query_y = query_point(v0, v1, v2, drawn.by);
+    return inverse_at(draw, drawn.layer, query, query_x, query_y, drawn.has_bx, drawn.has_by);
 }
+#endif
 
 #endif

@@ -2,6 +2,7 @@
 #ifndef RENDER_LIGHT
 #define RENDER_LIGHT
 #include "common/surface.glsl"
+#include "render/draw.glsl"
 
 // Light that `surface` sends towards the eye; `toward` is the unit direction to the light.
 vec3 lit(IgtSurface surface, vec3 eye, vec3 toward, float intensity, float ambient) {
@@ -41,6 +42,30 @@ vec3 towards_eye(vec4 eye, vec3 position) {
     }
     precise vec3 d = eye.xyz + position * -1.0;
     return igt_unit3(d, vec3(0.0, 0.0, 1.0));
+}
+
+// A drawn point that the tables know no reference point for: mid grey.
+IgtSurface unknown_surface() {
+    IgtSurface s;
+    s.base = vec4(0.2, 0.2, 0.2, 1.0);
+    s.normal = vec3(0.0, 0.0, 1.0);
+    s.emissive = vec3(0.0);
+    s.metallic = 0.0;
+    s.roughness = 1.0;
+    s.occlusion = 1.0;
+    s.masked = false;
+    s.unlit = true;
+    return s;
+}
+
+// Light leaving the surface towards the eye, linear; base colour where the view or the material is not lit.
+vec3 radiance(IgtSurface surface, vec3 position) {
+    if ((view.flags & 3u) != 0u || surface.unlit) {
+        return surface.base.xyz;
+    }
+    precise float intensity = sqrt(igt_dot3(view.light.xyz, view.light.xyz));
+    vec3 toward = igt_unit3(view.light.xyz, vec3(0.0, 1.0, 0.0));
+    return lit(surface, towards_eye(view.eye, position), toward, intensity, view.light.w);
 }
 
 #endif

@@ -67,7 +67,6 @@ const uint NOTHING = 0xffffffffu;
 const uint THRESHOLDS_AT = 256u;
 const uint PALETTE_AT = 512u;
 const int PALETTE_STOPS = 17;
-const uint OUTPUT_LIT = 0u;
 const uint OUTPUT_NORMALS = 2u;
 const uint OUTPUT_FETCHES = 3u;
 const uint FLAG_WIREFRAME = 4u;
@@ -151,31 +150,6 @@ void write(uint pixel, vec4 value, uint code, uint triangle, uint draw, vec2 b, 
     aov.words[pixel * 6u + 5u] = floatBitsToUint(depth);
 }
 
-// A drawn point that the tables know no reference point for: mid grey.
-IgtSurface unknown_surface() {
-    IgtSurface s;
-    s.base = vec4(0.2, 0.2, 0.2, 1.0);
-    s.normal = vec3(0.0, 0.0, 1.0);
-    s.emissive = vec3(0.0);
-    s.metallic = 0.0;
-    s.roughness = 1.0;
-    s.occlusion = 1.0;
-    s.masked = false;
-    s.unlit = true;
-    return s;
-}
-
-// Light leaving the surface, linear.
-vec3 radiance(IgtSurface surface, uint draw, uvec3 vertex, vec3 b) {
-    if ((view.flags & 3u) != OUTPUT_LIT || surface.unlit) {
-        return surface.base.xyz;
-    }
-    precise float intensity = sqrt(igt_dot3(view.light.xyz, view.light.xyz));
-    vec3 toward = igt_unit3(view.light.xyz, vec3(0.0, 1.0, 0.0));
-    vec3 eye = towards_eye(view.eye, world_position(draw, vertex, b));
-    return lit(surface, eye, toward, intensity, view.light.w);
-}
-
 void main() {
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (at.x >= int(view.width) || at.y >= int(view.height)) {
@@ -254,7 +228,7 @@ void main() {
         write(pixel, vec4(rgb, 1.0), code, triangle, draw, b, found.fetches, depth);
         return;
     }
-    precise vec3 rgb = radiance(surface, draw, drawn.vertex, drawn.b);
+    precise vec3 rgb = radiance(surface, world_position(draw, drawn.vertex, drawn.b));
     if ((view.flags & FLAG_WIREFRAME) != 0u) {
         float line = wire(here);
         rgb = rgb * (1.0 - line) + LINE * line;

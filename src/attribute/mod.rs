@@ -9,7 +9,7 @@ mod material;
 mod mips;
 pub(crate) mod sample;
 pub(crate) mod surface;
-mod texture;
+pub(crate) mod texture;
 
 pub use from_scene::attributes_of;
 pub use material::{Alpha, Material, Slot, SlotBinding};

@@ -30,21 +30,21 @@ pub(crate) struct Device {
 }
 
 /// The picture's arrays.
-struct Arrays {
-    draws: Buffer,
-    corners: Buffer,
-    projected: Buffer,
-    positions: Buffer,
-    constants: Buffer,
-    attribute_triangles: Buffer,
-    attribute_vertices: Buffer,
-    materials: Buffer,
-    textures: Buffer,
-    texels: [Buffer; 4],
-    t3: Buffer,
-    igt_hash: Buffer,
-    igt_list: Buffer,
-    igt_triangles: Buffer,
+pub(crate) struct Arrays {
+    pub(super) draws: Buffer,
+    pub(super) corners: Buffer,
+    pub(super) projected: Buffer,
+    pub(super) positions: Buffer,
+    pub(super) constants: Buffer,
+    pub(super) attribute_triangles: Buffer,
+    pub(super) attribute_vertices: Buffer,
+    pub(super) materials: Buffer,
+    pub(super) textures: Buffer,
+    pub(super) texels: [Buffer; 4],
+    pub(super) t3: Buffer,
+    pub(super) igt_hash: Buffer,
+    pub(super) igt_list: Buffer,
+    pub(super) igt_triangles: Buffer,
 }
 
 /// Images and buffers of one size that a picture is drawn into.
@@ -224,7 +224,7 @@ fn groups(count: u32, size: u32) -> [u32; 3] {
     [across, groups.div_ceil(across.max(1)), 1]
 }
 
-fn upload(context: &Context, picture: &Picture) -> Result<Arrays> {
+pub(super) fn upload(context: &Context, picture: &Picture) -> Result<Arrays> {
     let attributes = &picture.attributes;
     let texels = |k: usize| context.upload(&format!("texels {k}"), attributes.textures.shard(k));
     let joined = |words: fn(&Tables) -> &Vec<u32>| -> Vec<u32> {

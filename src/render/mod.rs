@@ -17,6 +17,8 @@ mod cover;
 #[cfg(feature = "gpu")]
 mod device;
 mod draw;
+#[cfg(feature = "gpu")]
+mod forward;
 mod light;
 mod picture;
 mod plain;

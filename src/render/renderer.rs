@@ -2,7 +2,9 @@
 
 use super::camera::Camera;
 #[cfg(feature = "gpu")]
-use super::device::Device;
+use super::device::{Device, upload};
+#[cfg(feature = "gpu")]
+use super::forward::Forward;
 use super::draw::{Light, ViewConstants};
 use super::picture::Picture;
 use super::shade::{
@@ -10,7 +12,7 @@ use super::shade::{
     OUTPUT_UNLIT, Pixel,
 };
 use super::{project, raster, resolve, shade};
-use crate::Result;
+use crate::{Error, Result};
 #[cfg(feature = "gpu")]
 use crate::gpu;
 
@@ -87,8 +89,16 @@ pub struct Rendered {
 /// A picture made ready for drawing.
 pub struct Renderer {
     picture: Picture,
+    on: Processor,
+}
+
+/// Where and how it is drawn.
+enum Processor {
+    Cpu,
     #[cfg(feature = "gpu")]
-    device: Option<Device>,
+    Deferred(Box<Device>),
+    #[cfg(feature = "gpu")]
+    Forward(Box<Forward>),
 }
 
 impl Renderer {
@@ -96,19 +106,27 @@ impl Renderer {
     pub fn cpu(picture: Picture) -> Self {
         Renderer {
             picture,
-            #[cfg(feature = "gpu")]
-            device: None,
+            on: Processor::Cpu,
         }
     }
 
-    /// Draws on a device; uploads the picture.
+    /// Draws on a device by the deferred path; uploads the picture.
     #[cfg(feature = "gpu")]
     pub fn on(context: &gpu::Context, picture: Picture) -> Result<Self> {
-        let device = Device::new(context, &picture)?;
-        Ok(Renderer {
-            picture,
-            device: Some(device),
-        })
+        let on = Processor::Deferred(Box::new(Device::new(context, &picture)?));
+        Ok(Renderer { picture, on })
+    }
+
+    /// Draws on a device by the forward path, with the device's own interpolation and texture sampling; uploads the
+    /// picture. No wireframe.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] where the textures are of more than eight kinds.
+    #[cfg(feature = "gpu")]
+    pub fn forward(context: &gpu::Context, picture: Picture) -> Result<Self> {
+        let arrays = upload(context, &picture)?;
+        let on = Processor::Forward(Box::new(Forward::new(context, &picture, &arrays)?));
+        Ok(Renderer { picture, on })
     }
 
     /// The picture.
@@ -135,16 +153,21 @@ impl Renderer {
 
     fn pixels(&self, view: &ViewConstants) -> Result<(Vec<Pixel>, Vec<(String, u64)>)> {
         #[cfg(feature = "gpu")]
-        if let Some(device) = &self.device {
-            let (pixels, timings) = device.draw(view)?;
-            return Ok((
-                pixels,
-                timings
-                    .passes
-                    .into_iter()
-                    .map(|p| (p.name, p.nanoseconds))
-                    .collect(),
-            ));
+        match &self.on {
+            Processor::Cpu => {}
+            Processor::Deferred(device) => return device.draw(view).map(named),
+            Processor::Forward(forward) => {
+                if view.flags & FLAG_WIREFRAME != 0 {
+                    let reason = "wireframe is drawn by the deferred path only".into();
+                    return Err(Error::Option {
+                        option: "--path",
+                        reason,
+                    });
+                }
+                let (mut pixels, timings) = forward.draw(view)?;
+                shade::encode(&mut pixels, &self.picture.constants, view.flags);
+                return Ok(named((pixels, timings)));
+            }
         }
         let mut passes = Vec::new();
         let projected = timed(&mut passes, "project", || {
@@ -158,6 +181,12 @@ impl Renderer {
         });
         Ok((pixels, passes))
     }
+}
+
+#[cfg(feature = "gpu")]
+fn named((pixels, timings): (Vec<Pixel>, gpu::Timings)) -> (Vec<Pixel>, Vec<(String, u64)>) {
+    let passes = timings.passes.into_iter();
+    (pixels, passes.map(|p| (p.name, p.nanoseconds)).collect())
 }
 
 fn timed<T>(passes: &mut Vec<(String, u64)>, name: &str, work: impl FnOnce() -> T) -> T {

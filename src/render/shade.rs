@@ -206,13 +206,7 @@ fn colour(
     let output = view.flags & OUTPUT_MASK;
     let coded = match output {
         OUTPUT_NORMALS => Some(surface.normal.map(|c| c * 0.5 + 0.5)),
-        OUTPUT_FETCHES => {
-            let top = (view.flags >> FETCHES_SHIFT) as i32 as f32;
-            Some(palette(
-                constants,
-                found.fetches as i32 as f32 / top.max(1.0),
-            ))
-        }
+        OUTPUT_FETCHES => Some(false_colour(constants, found.fetches, view.flags)),
         _ => None,
     };
     if let Some([r, g, b]) = coded {
@@ -240,6 +234,30 @@ fn colour(
         [rgb[0], rgb[1], rgb[2], 1.0],
         r | (g << 8) | (b << 16) | 0xff00_0000,
     )
+}
+
+/// Gives pixels of linear (or coded) colour their 8-bit codes, and false colours where fetches are asked for: what the
+/// forward path leaves to the host.
+#[cfg(feature = "gpu")]
+pub(crate) fn encode(pixels: &mut [Pixel], constants: &[f32], flags: u32) {
+    let thresholds = &constants[THRESHOLDS_AT..THRESHOLDS_AT + 256];
+    let output = flags & OUTPUT_MASK;
+    pixels.par_iter_mut().filter(|p| p.aov.draw != NOTHING).for_each(|pixel| {
+        if output == OUTPUT_FETCHES {
+            let [r, g, b] = false_colour(constants, pixel.aov.fetches, flags);
+            pixel.linear = [r, g, b, 1.0];
+        }
+        let coded = output == OUTPUT_NORMALS || output == OUTPUT_FETCHES;
+        let code = |c: f32| if coded { unit_encode(c) } else { srgb_encode(thresholds, c) };
+        let [r, g, b, _] = pixel.linear;
+        pixel.rgba8 = code(r) | (code(g) << 8) | (code(b) << 16) | 0xff00_0000;
+    });
+}
+
+/// False colour of a number of fetches.
+fn false_colour(constants: &[f32], fetches: u32, flags: u32) -> V3 {
+    let top = (flags >> FETCHES_SHIFT) as i32 as f32;
+    palette(constants, fetches as i32 as f32 / top.max(1.0))
 }
 
 /// How much of a pixel the lines along the drawn triangle's edges cover. Lines fade where the triangle is only a few

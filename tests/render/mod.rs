@@ -2,11 +2,12 @@
 
 #![allow(dead_code)]
 
+pub mod inverse;
 pub mod model;
 
 use invertex::attribute::{AttributeSet, Material, Pixels, Sampler, SlotBinding, TextureSet};
 use invertex::mesh::Mesh;
-use invertex::render::{Camera, Picture, Projection};
+use invertex::render::{Camera, Picture, Projection, Rendered};
 
 /// A checkerboard of 8-bit colours that differ everywhere, `n` x `n` texels.
 pub fn board(n: u32) -> Vec<u8> {
@@ -14,46 +15,26 @@ pub fn board(n: u32) -> Vec<u8> {
         .flat_map(|i| {
             let (x, y) = (i % n, i / n);
             let light = if (x / 8 + y / 8) % 2 == 0 { 200 } else { 40 };
-            [
-                (light + x % 56) as u8,
-                (light + y % 56) as u8,
-                (x * y % 251) as u8,
-                255,
-            ]
+            [(light + x % 56) as u8, (light + y % 56) as u8, (x * y % 251) as u8, 255]
         })
         .collect()
 }
 
 /// A bumpy tangent-space normal map, `n` x `n` texels.
 pub fn bumps(n: u32) -> Vec<u8> {
-    (0..n * n)
-        .flat_map(|i| {
-            let wave = |k: u32| (128 + (k % 16) * 5 - 40) as u8;
-            [wave(i % n), wave(i / n), 240, 255]
-        })
-        .collect()
+    let wave = |k: u32| (128 + (k % 16) * 5 - 40) as u8;
+    (0..n * n).flat_map(|i| [wave(i % n), wave(i / n), 240, 255]).collect()
 }
 
 /// A material with a textured colour and normal map.
 pub fn textured() -> (TextureSet, Vec<Material>) {
     let mut textures = TextureSet::default();
     let (colour, normal) = (board(64), bumps(32));
-    let pixels = |width, rgba| Pixels {
-        width,
-        height: width,
-        rgba,
-    };
-    let slot = |texture| SlotBinding {
-        texture,
-        uv_set: 0,
-        transform: [[3.0, 0.0, 0.1], [0.0, 2.0, -0.2]],
-    };
-    let base = textures
-        .add(0, true, Sampler::default(), || Ok(pixels(64, &colour)))
-        .unwrap();
-    let bump = textures
-        .add(1, false, Sampler::default(), || Ok(pixels(32, &normal)))
-        .unwrap();
+    let pixels = |width, rgba| Pixels { width, height: width, rgba };
+    let transform = [[3.0, 0.0, 0.1], [0.0, 2.0, -0.2]];
+    let slot = |texture| SlotBinding { texture, uv_set: 0, transform };
+    let base = textures.add(0, true, Sampler::default(), || Ok(pixels(64, &colour))).unwrap();
+    let bump = textures.add(1, false, Sampler::default(), || Ok(pixels(32, &normal))).unwrap();
     let material = Material {
         metallic: 0.2,
         roughness: 0.5,
@@ -67,15 +48,10 @@ pub fn textured() -> (TextureSet, Vec<Material>) {
 pub fn picture(meshes: &[(&Mesh, glam::DMat4)]) -> Picture {
     let (textures, materials) = textured();
     let mut attributes = AttributeSet::new(textures, &materials, 1);
-    let bases: Vec<u32> = meshes
-        .iter()
-        .map(|(mesh, _)| attributes.push_mesh(mesh).unwrap())
-        .collect();
+    let bases: Vec<u32> = meshes.iter().map(|(mesh, _)| attributes.push_mesh(mesh).unwrap()).collect();
     let mut picture = Picture::new(attributes);
     for ((mesh, world), base) in meshes.iter().zip(bases) {
-        let geometry = picture
-            .add_geometry(&mesh.positions, &mesh.triangles, &[], &[])
-            .unwrap();
+        let geometry = picture.add_geometry(&mesh.positions, &mesh.triangles, &[], &[]).unwrap();
         picture.draw(geometry, base, None, *world).unwrap();
     }
     picture
@@ -84,16 +60,7 @@ pub fn picture(meshes: &[(&Mesh, glam::DMat4)]) -> Picture {
 /// The camera that frames a picture.
 pub fn camera(picture: &Picture, azimuth: f64, elevation: f64, width: u32, height: u32) -> Camera {
     let (centre, radius) = picture.bounding_sphere();
-    Camera::framed(
-        centre,
-        radius,
-        azimuth,
-        elevation,
-        Projection::Perspective,
-        width,
-        height,
-    )
-    .unwrap()
+    Camera::framed(centre, radius, azimuth, elevation, Projection::Perspective, width, height).unwrap()
 }
 
 /// A shape with tangents along its uv set.
@@ -102,4 +69,35 @@ pub fn tangents(mut mesh: Mesh) -> Mesh {
     mesh.tangents = vec![[0.0; 4]; mesh.positions.len()];
     mesh.generate_tangents(&sets);
     mesh
+}
+
+/// How two images differ, bit for bit: pixels of colour, of linear colour, triangles, depths, barycentrics, fetches.
+pub fn differences(a: &Rendered, b: &Rendered) -> [usize; 6] {
+    fn count<T, B: PartialEq>(a: &[T], b: &[T], bits: impl Fn(&T) -> B) -> usize {
+        assert_eq!(a.len(), b.len());
+        a.iter().zip(b).filter(|(p, q)| bits(p) != bits(q)).count()
+    }
+    let (pixels, other) = (a.rgba8.as_chunks::<4>().0, b.rgba8.as_chunks::<4>().0);
+    [
+        count(pixels, other, |p| *p),
+        count(&a.linear, &b.linear, |p| p.map(f32::to_bits)),
+        count(&a.triangle, &b.triangle, |t| *t),
+        count(&a.depth, &b.depth, |d| d.to_bits()),
+        count(&a.barycentric, &b.barycentric, |c| c.map(f32::to_bits)),
+        count(&a.fetches, &b.fetches, |f| *f),
+    ]
+}
+
+/// A context for each usable device; says loudly where there is none.
+#[cfg(feature = "gpu")]
+pub fn contexts() -> Vec<invertex::gpu::Context> {
+    use invertex::gpu::{Context, ContextOptions, DeviceChoice, devices};
+    let found = devices().unwrap_or_default();
+    let usable = found.iter().filter(|d| d.usable);
+    let options = |index| ContextOptions { device: DeviceChoice::Index(index), validation: true };
+    let out: Vec<Context> = usable.map(|d| Context::new(&options(d.index)).unwrap()).collect();
+    if out.is_empty() {
+        eprintln!("SKIPPED: no usable Vulkan device");
+    }
+    out
 }

@@ -1,0 +1,113 @@
+// The forward path: the lookup inside a fragment shader, textures sampled by the device, as an engine would embed it.
+// Shares igt.glsl, the attributes and the light with the deferred path; its bits differ from driver to driver.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "render/draw.glsl"
+
+layout(std430, binding = 0) readonly buffer Draws { DrawRecord records[]; } draws;
+layout(std430, binding = 4) readonly buffer AttributeTriangles { uvec4 triangles[]; } attribute_triangles;
+layout(std430, binding = 5) readonly buffer AttributeVertices { float words[]; } attribute_vertices;
+layout(std430, binding = 6) readonly buffer Materials { uint words[]; } materials;
+layout(std430, binding = 7) readonly buffer Textures { uint words[]; } textures;
+layout(std430, binding = 8) readonly buffer IgtHash { uint words[]; } igt_hash;
+layout(std430, binding = 9) readonly buffer IgtList { uint words[]; } igt_list;
+layout(std430, binding = 10) readonly buffer IgtTriangles { uint words[]; } igt_triangles;
+// Textures of one size, format and sampler are layers of one array: no array of images is indexed by a variable.
+layout(binding = 11) uniform sampler2DArray class_0;
+layout(binding = 12) uniform sampler2DArray class_1;
+layout(binding = 13) uniform sampler2DArray class_2;
+layout(binding = 14) uniform sampler2DArray class_3;
+layout(binding = 15) uniform sampler2DArray class_4;
+layout(binding = 16) uniform sampler2DArray class_5;
+layout(binding = 17) uniform sampler2DArray class_6;
+layout(binding = 18) uniform sampler2DArray class_7;
+
+layout(location = 0) flat in uvec3 triangle;
+layout(location = 1) flat in ivec3 origin;
+layout(location = 2) in vec3 along;
+layout(location = 3) in vec3 barycentric;
+layout(location = 4) in vec3 world;
+
+// Linear RGBA; reference triangle, draw, barycentrics; fetches.
+layout(location = 0) out vec4 colour;
+layout(location = 1) out uvec4 ids;
+layout(location = 2) out uint fetches;
+
+uvec4 igt_attribute_triangle(uint i) { return attribute_triangles.triangles[i]; }
+float igt_attribute_float(uint i) { return attribute_vertices.words[i]; }
+uint igt_material_word(uint i) { return materials.words[i]; }
+
+uint igt_hash_base;
+uint igt_list_base;
+uint igt_triangle_base;
+uvec2 igt_load_hash2(uint i) {
+    uint at = igt_hash_base + 2u * i;
+    return uvec2(igt_hash.words[at], igt_hash.words[at + 1u]);
+}
+uint igt_load_hash1(uint i) { return igt_hash.words[igt_hash_base + i]; }
+uint igt_load_list(uint i) { return igt_list.words[igt_list_base + i]; }
+uvec4 igt_load_triangle4(uint i) {
+    uint at = igt_triangle_base + 4u * i;
+    return uvec4(igt_triangles.words[at], igt_triangles.words[at + 1u], igt_triangles.words[at + 2u], igt_triangles.words[at + 3u]);
+}
+uint igt_load_triangle1(uint i) { return igt_triangles.words[igt_triangle_base + i]; }
+
+#define IGT_SAMPLE_ELSEWHERE
+#define RENDER_FORWARD
+#include "common/igt.glsl"
+#include "common/texture.glsl"
+
+vec4 igt_sample(uint id, IgtUvGradient at) {
+    vec3 uv = vec3(at.uv, float(textures.words[id * IGT_TEXTURE_WORDS + 7u]));
+    switch (textures.words[id * IGT_TEXTURE_WORDS + 6u]) {
+        case 0u: return textureGrad(class_0, uv, at.dx, at.dy);
+        case 1u: return textureGrad(class_1, uv, at.dx, at.dy);
+        case 2u: return textureGrad(class_2, uv, at.dx, at.dy);
+        case 3u: return textureGrad(class_3, uv, at.dx, at.dy);
+        case 4u: return textureGrad(class_4, uv, at.dx, at.dy);
+        case 5u: return textureGrad(class_5, uv, at.dx, at.dy);
+        case 6u: return textureGrad(class_6, uv, at.dx, at.dy);
+        default: return textureGrad(class_7, uv, at.dx, at.dy);
+    }
+}
+
+#include "render/light.glsl"
+#include "render/correspond.glsl"
+
+ivec3 query_of(vec3 way) {
+    ivec3 step = ivec3(floor(clamp(way, vec3(-1.0e9), vec3(1.0e9)) + 0.5));
+    return clamp(origin + step, ivec3(-QUERY_MAX), ivec3(QUERY_MAX));
+}
+
+void main() {
+    // Derivatives first, in uniform control flow.
+    vec3 along_x = dFdx(along);
+    vec3 along_y = dFdy(along);
+    vec3 b_x = dFdx(barycentric);
+    vec3 b_y = dFdy(barycentric);
+    uint draw = triangle.y;
+    Correspondence found;
+    if (draws.records[draw].correspondence == 0u) {
+        found.point = IgtSurfacePoint(draws.records[draw].attribute_base + triangle.x, barycentric, b_x, b_y, true, true);
+        found.known = true;
+        found.fetches = 0u;
+    } else {
+        found = inverse_at(draw, triangle.z, query_of(along), query_of(along + along_x), query_of(along + along_y), true, true);
+    }
+    fetches = found.fetches;
+    ids = uvec4(0xffffffffu, draw, 0u, 0u);
+    IgtSurface surface = unknown_surface();
+    if (found.known) {
+        uint reference = found.point.triangle - draws.records[draw].attribute_base;
+        ids = uvec4(reference, draw, floatBitsToUint(found.point.b.y), floatBitsToUint(found.point.b.z));
+        surface = igt_surface(found.point, draws.records[draw].world, draws.records[draw].normal);
+    }
+    if (surface.masked) {
+        discard;
+    }
+    // Counter-clockwise is the front; a mirroring transform turns it.
+    if ((gl_FrontFacing ? -1.0 : 1.0) * draws.records[draw].normal[0].w > 0.0) {
+        surface.normal = -surface.normal;
+    }
+    colour = (view.flags & 3u) == 2u ? vec4(surface.normal * 0.5 + 0.5, 1.0) : vec4(radiance(surface, world), 1.0);
+}

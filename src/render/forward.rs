@@ -1,0 +1,215 @@
+//! The forward path: one draw whose fragment shader looks up and shades. Driver of `glsl/render/forward.vert` and `.frag`.
+//!
+//! In: the arrays of a [`Picture`] on a device; its textures as images, sampled by the device. Out: the same pixels as
+//! the deferred path up to the rasteriser's and the texture unit's own rounding. Textures of one size, colour space and
+//! sampler are layers of one array ([`CLASSES`] of them), so that no array of images is indexed by a variable.
+
+use super::device::Arrays;
+use super::draw::ViewConstants;
+use super::picture::Picture;
+use super::shade::{Aov, NOTHING, Pixel};
+use crate::attribute::texture::{FLAG_NEAREST, FLAG_NO_MIPS, FLAG_SRGB, LEVELS_AT, TEXTURE_WORDS, TextureSet};
+use crate::gpu::shaders::render_forward::{Bindings, Push, Shader};
+use crate::gpu::{
+    Bound, Clear, Context, GraphicsOptions, GraphicsPass, Image, ImageOptions, Sampler, SamplerOptions, Timings, vk,
+};
+use crate::{Error, Result};
+
+/// Kinds of textures (size, colour space, sampler) that one picture may have.
+const CLASSES: usize = 8;
+/// Words of a texture record that the forward path fills: its class, and its layer there.
+const CLASS_AT: usize = 6;
+
+/// Formats of the colour attachments: linear colour; triangle, draw, barycentrics; fetches.
+const FORMATS: [vk::Format; 3] = [vk::Format::R32G32B32A32_SFLOAT, vk::Format::R32G32B32A32_UINT, vk::Format::R32_UINT];
+
+/// A picture bound to the forward pipeline.
+pub(crate) struct Forward {
+    context: Context,
+    bound: Bound<Shader>,
+    draw_count: u32,
+    triangle_count: u32,
+}
+
+impl Forward {
+    pub(crate) fn new(context: &Context, picture: &Picture, a: &Arrays) -> Result<Self> {
+        let set = &picture.attributes.textures;
+        let (records, classes) = classes(set)?;
+        let mut images = Vec::with_capacity(CLASSES);
+        for class in &classes {
+            images.push((image(context, set, class)?, sampler(context, set, class[0])?));
+        }
+        while images.len() < CLASSES {
+            images.push((blank(context)?, context.sampler(&SamplerOptions::default())?));
+        }
+        let textures = context.upload("texture classes", &records)?;
+        let options = GraphicsOptions {
+            color_formats: &FORMATS,
+            depth: Some(vk::Format::D32_SFLOAT),
+            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            cull: vk::CullModeFlags::NONE,
+            depth_test: true,
+        };
+        let class = |k: usize| (&images[k].0, &images[k].1);
+        let bound = context.graphics::<Shader>(&options)?.bind(&Bindings {
+            draws: &a.draws,
+            corners: &a.corners,
+            positions: &a.positions,
+            t3: &a.t3,
+            attribute_triangles: &a.attribute_triangles,
+            attribute_vertices: &a.attribute_vertices,
+            materials: &a.materials,
+            textures: &textures,
+            igt_hash: &a.igt_hash,
+            igt_list: &a.igt_list,
+            igt_triangles: &a.igt_triangles,
+            class_0: class(0),
+            class_1: class(1),
+            class_2: class(2),
+            class_3: class(3),
+            class_4: class(4),
+            class_5: class(5),
+            class_6: class(6),
+            class_7: class(7),
+        })?;
+        Ok(Forward {
+            context: context.clone(),
+            bound,
+            draw_count: picture.draws.len() as u32,
+            triangle_count: picture.triangle_count(),
+        })
+    }
+
+    /// Draws, waits, and brings the pixels back. Colours are linear (or coded, for normals); the caller encodes them.
+    pub(crate) fn draw(&self, view: &ViewConstants) -> Result<(Vec<Pixel>, Timings)> {
+        let (context, w, h) = (&self.context, view.width, view.height);
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let colour = context.target("colour", w, h, FORMATS[0], usage)?;
+        let ids = context.target("ids", w, h, FORMATS[1], usage)?;
+        let fetches = context.target("fetches", w, h, FORMATS[2], usage)?;
+        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        let depth = context.target("depth", w, h, vk::Format::D32_SFLOAT, usage)?;
+        let mut recorder = context.recorder("forward picture")?;
+        recorder.draw(&GraphicsPass {
+            pipeline: &self.bound,
+            push: self.push(view),
+            color: &[
+                (&colour, Clear::Float([0.0; 4])),
+                (&ids, Clear::Uint([NOTHING, NOTHING, 0, 0])),
+                (&fetches, Clear::Uint([0; 4])),
+            ],
+            depth: Some((&depth, Clear::Depth(1.0))),
+            vertices: self.triangle_count * 3,
+            instances: 1,
+        });
+        let timings = context.run(recorder)?;
+        let colour = context.download_image::<[f32; 4]>(&colour)?;
+        let ids = context.download_image::<[u32; 4]>(&ids)?;
+        let fetches = context.download_image::<u32>(&fetches)?;
+        let depth = context.download_image::<f32>(&depth)?;
+        let pixel = |(((linear, id), fetches), depth): ((([f32; 4], [u32; 4]), u32), f32)| {
+            let [triangle, draw, b1, b2] = id;
+            let barycentric = [f32::from_bits(b1), f32::from_bits(b2)];
+            Pixel { linear, rgba8: 0, aov: Aov { triangle, draw, barycentric, fetches, depth } }
+        };
+        Ok((colour.into_iter().zip(ids).zip(fetches).zip(depth).map(pixel).collect(), timings))
+    }
+
+    fn push(&self, view: &ViewConstants) -> Push {
+        let [row_x, row_y, row_z, row_w] = view.rows;
+        Push {
+            row_x,
+            row_y,
+            row_z,
+            row_w,
+            eye: view.eye,
+            light: view.light,
+            width: view.width,
+            height: view.height,
+            flags: view.flags,
+            draw_count: self.draw_count,
+            vertex_count: 0,
+        }
+    }
+}
+
+/// Texture records with class and layer filled in, and for each class the textures that are its layers.
+fn classes(set: &TextureSet) -> Result<(Vec<u32>, Vec<Vec<usize>>)> {
+    let mut records = set.records.clone();
+    let mut classes: Vec<Vec<usize>> = Vec::new();
+    for id in 0..set.len() {
+        // Width, height, levels, wrap modes and flags.
+        let kind = |id: usize| &set.records[id * TEXTURE_WORDS + 1..id * TEXTURE_WORDS + CLASS_AT];
+        let class = match classes.iter().position(|c| kind(c[0]) == kind(id)) {
+            Some(class) => class,
+            None => {
+                classes.push(Vec::new());
+                classes.len() - 1
+            }
+        };
+        records[id * TEXTURE_WORDS + CLASS_AT] = class as u32;
+        records[id * TEXTURE_WORDS + CLASS_AT + 1] = classes[class].len() as u32;
+        classes[class].push(id);
+    }
+    if classes.len() > CLASSES {
+        let what = "kinds of textures (size, colour space, sampler) of the forward path; --path deferred has no limit";
+        return Err(Error::Capacity { what: what.into(), need: classes.len() as u64, have: CLASSES as u64 });
+    }
+    Ok((records, classes))
+}
+
+/// The textures of a class as layers of one image, with our own mip levels.
+fn image(context: &Context, set: &TextureSet, class: &[usize]) -> Result<Image> {
+    let record = |id: usize| &set.records[id * TEXTURE_WORDS..][..TEXTURE_WORDS];
+    let first = record(class[0]);
+    let (width, height, levels) = (first[1], first[2], first[3]);
+    let mut texels: Vec<Vec<u8>> = Vec::with_capacity(levels as usize);
+    for level in 0..levels {
+        let area = (width >> level).max(1) as usize * (height >> level).max(1) as usize;
+        let mut bytes = Vec::with_capacity(area * 4 * class.len());
+        for &id in class {
+            let begin = (record(id)[0] + record(id)[LEVELS_AT + level as usize]) as usize;
+            bytes.extend_from_slice(bytemuck::cast_slice(&set.texels[begin..begin + area]));
+        }
+        texels.push(bytes);
+    }
+    let srgb = first[5] & FLAG_SRGB != 0;
+    let options = ImageOptions {
+        size: [width, height],
+        layers: Some(class.len() as u32),
+        levels,
+        format: if srgb { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM },
+        usage: vk::ImageUsageFlags::SAMPLED,
+    };
+    let levels: Vec<&[u8]> = texels.iter().map(Vec::as_slice).collect();
+    context.texture("texture class", &options, &levels)
+}
+
+/// What an unused class holds.
+fn blank(context: &Context) -> Result<Image> {
+    let options = ImageOptions {
+        size: [1, 1],
+        layers: Some(1),
+        levels: 1,
+        format: vk::Format::R8G8B8A8_UNORM,
+        usage: vk::ImageUsageFlags::SAMPLED,
+    };
+    context.texture("no texture", &options, &[&[255; 4]])
+}
+
+fn sampler(context: &Context, set: &TextureSet, id: usize) -> Result<Sampler> {
+    let record = &set.records[id * TEXTURE_WORDS..][..TEXTURE_WORDS];
+    let wrap = |mode: u32| match mode {
+        0 => vk::SamplerAddressMode::REPEAT,
+        1 => vk::SamplerAddressMode::MIRRORED_REPEAT,
+        _ => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+    };
+    let filter = if record[5] & FLAG_NEAREST != 0 { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
+    context.sampler(&SamplerOptions {
+        magnify: filter,
+        minify: filter,
+        mipmap: vk::SamplerMipmapMode::LINEAR,
+        mipmapped: record[5] & FLAG_NO_MIPS == 0,
+        wrap: [wrap(record[4] & 3), wrap((record[4] >> 2) & 3)],
+    })
+}
