@@ -10,12 +10,30 @@ use invertex::render::{Camera, Light, Options, Output, Picture, Projection, Rend
 use render::{camera, contexts, differences, inverse, picture, tangents};
 
 fn outputs() -> Vec<Options> {
-    let light = Light { direction: Some([0.3, 1.0, -0.2]), ..Light::default() };
+    let light = Light {
+        direction: Some([0.3, 1.0, -0.2]),
+        ..Light::default()
+    };
     vec![
-        Options { light, wireframe: true, ..Options::default() },
-        Options { output: Output::Unlit, samples: 4, ..Options::default() },
-        Options { output: Output::Normals, ..Options::default() },
-        Options { output: Output::Fetches, fetches_top: 9, ..Options::default() },
+        Options {
+            light,
+            wireframe: true,
+            ..Options::default()
+        },
+        Options {
+            output: Output::Unlit,
+            samples: 4,
+            ..Options::default()
+        },
+        Options {
+            output: Output::Normals,
+            ..Options::default()
+        },
+        Options {
+            output: Output::Fetches,
+            fetches_top: 9,
+            ..Options::default()
+        },
     ]
 }
 
@@ -27,16 +45,36 @@ fn references() -> Vec<(&'static str, Picture, Camera)> {
     let mirrored = DMat4::from_scale(DVec3::new(-0.6, 0.9, 0.5)) * DMat4::from_rotation_x(0.4);
     let several = || picture(&[(&ball, DMat4::IDENTITY), (&tube, far), (&ball, mirrored)]);
     let mut out = Vec::new();
-    for (name, azimuth, elevation, width, height) in
-        [("several", 30.0, 20.0, 131, 93), ("above", 10.0, 90.0, 48, 48), ("one pixel", 0.0, 0.0, 1, 1)]
-    {
+    for (name, azimuth, elevation, width, height) in [
+        ("several", 30.0, 20.0, 131, 93),
+        ("above", 10.0, 90.0, 48, 48),
+        ("one pixel", 0.0, 0.0, 1, 1),
+    ] {
         let picture = several();
         let camera = camera(&picture, azimuth, elevation, width, height);
         out.push((name, picture, camera));
     }
-    let inside = Camera::framed([0.1, 0.2, 0.1], 0.3, 70.0, 10.0, Projection::Perspective, 67, 35).unwrap();
+    let inside = Camera::framed(
+        [0.1, 0.2, 0.1],
+        0.3,
+        70.0,
+        10.0,
+        Projection::Perspective,
+        67,
+        35,
+    )
+    .unwrap();
     out.push(("inside", several(), inside));
-    let parallel = Camera::framed([0.0; 3], 0.4, 200.0, -30.0, Projection::Orthographic, 70, 47).unwrap();
+    let parallel = Camera::framed(
+        [0.0; 3],
+        0.4,
+        200.0,
+        -30.0,
+        Projection::Orthographic,
+        70,
+        47,
+    )
+    .unwrap();
     out.push(("parallel, wider than the image", several(), parallel));
     let empty = picture(&[]);
     let view = camera(&empty, 0.0, 0.0, 33, 9);
@@ -73,7 +111,11 @@ fn every_device_draws_the_bytes_that_the_cpu_draws() {
                 drawn_through_tables += want.mean_fetches;
             }
             let again = |r: &Renderer| r.draw(&camera, &outputs()[0]).unwrap();
-            assert_eq!(differences(&again(&device), &again(&device)), [0; 6], "{name}: run to run");
+            assert_eq!(
+                differences(&again(&device), &again(&device)),
+                [0; 6],
+                "{name}: run to run"
+            );
         }
         assert!(drawn_through_tables > 0.0);
         assert_eq!(context.validation_messages(), Vec::<String>::new());
@@ -105,13 +147,23 @@ fn no_float_operation_of_the_deferred_path_may_be_contracted_or_reordered() {
         let bytes = std::fs::read(&path).unwrap();
         let (free, held) = float_operations(&bytes);
         assert!(held > 0, "{pass}");
-        assert_eq!(free, 0, "{pass}: {free} of {} float operations lack `precise`", free + held);
+        assert_eq!(
+            free,
+            0,
+            "{pass}: {free} of {} float operations lack `precise`",
+            free + held
+        );
     }
 }
 
 /// Float additions, multiplications and the like of a SPIR-V module: without NoContraction, and with it.
 fn float_operations(bytes: &[u8]) -> (usize, usize) {
-    let words: Vec<u32> = bytes.as_chunks::<4>().0.iter().map(|w| u32::from_le_bytes(*w)).collect();
+    let words: Vec<u32> = bytes
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .map(|w| u32::from_le_bytes(*w))
+        .collect();
     let (mut at, mut held, mut operations) = (5, std::collections::HashSet::new(), Vec::new());
     while at < words.len() {
         let (opcode, length) = (words[at] & 0xffff, (words[at] >> 16).max(1) as usize);

@@ -19,10 +19,18 @@ fn pictures() -> Vec<(&'static str, Picture)> {
     let ball = tangents(shapes::icosphere(3));
     let beside = DMat4::from_translation(DVec3::new(1.1, 0.3, -0.4));
     let sphere = inverse::build(ball.clone(), "sphere", Layout::Packed, 0.2);
-    let tube = inverse::build(tangents(shapes::tube(24, 9)), "cylinder:z", Layout::Classic, 0.3);
+    let tube = inverse::build(
+        tangents(shapes::tube(24, 9)),
+        "cylinder:z",
+        Layout::Classic,
+        0.3,
+    );
     let flat = inverse::build(tangents(shapes::grid(12)), "uv0", Layout::Packed, 0.2);
     vec![
-        ("reference", picture(&[(&ball, DMat4::IDENTITY), (&ball, beside)])),
+        (
+            "reference",
+            picture(&[(&ball, DMat4::IDENTITY), (&ball, beside)]),
+        ),
         ("inverse", inverse::picture(&[&sphere, &tube, &flat])),
     ]
 }
@@ -30,11 +38,41 @@ fn pictures() -> Vec<(&'static str, Picture)> {
 fn hashes() -> String {
     let outputs = [
         ("lit", Options::default()),
-        ("unlit", Options { output: Output::Unlit, ..Options::default() }),
-        ("normals", Options { output: Output::Normals, ..Options::default() }),
-        ("fetches", Options { output: Output::Fetches, ..Options::default() }),
-        ("wireframe", Options { wireframe: true, ..Options::default() }),
-        ("samples", Options { samples: 4, ..Options::default() }),
+        (
+            "unlit",
+            Options {
+                output: Output::Unlit,
+                ..Options::default()
+            },
+        ),
+        (
+            "normals",
+            Options {
+                output: Output::Normals,
+                ..Options::default()
+            },
+        ),
+        (
+            "fetches",
+            Options {
+                output: Output::Fetches,
+                ..Options::default()
+            },
+        ),
+        (
+            "wireframe",
+            Options {
+                wireframe: true,
+                ..Options::default()
+            },
+        ),
+        (
+            "samples",
+            Options {
+                samples: 4,
+                ..Options::default()
+            },
+        ),
     ];
     let mut out = String::new();
     for (name, picture) in pictures() {
@@ -57,10 +95,21 @@ fn pictures_have_their_golden_bytes() {
         std::fs::write(GOLDENS, &hashes).unwrap();
         return;
     }
-    let golden = std::fs::read_to_string(GOLDENS).expect("tests/goldens/render.txt is missing; see the file's head");
-    let wrong: Vec<&str> = hashes.lines().filter(|line| !golden.lines().any(|g| g == *line)).collect();
-    assert!(wrong.is_empty(), "not as in tests/goldens/render.txt (INVERTEX_BLESS_GOLDENS=1 renews it): {wrong:#?}");
-    assert_eq!(golden.lines().count(), hashes.lines().count(), "the file names pictures that no longer exist");
+    let golden = std::fs::read_to_string(GOLDENS)
+        .expect("tests/goldens/render.txt is missing; see the file's head");
+    let wrong: Vec<&str> = hashes
+        .lines()
+        .filter(|line| !golden.lines().any(|g| g == *line))
+        .collect();
+    assert!(
+        wrong.is_empty(),
+        "not as in tests/goldens/render.txt (INVERTEX_BLESS_GOLDENS=1 renews it): {wrong:#?}"
+    );
+    assert_eq!(
+        golden.lines().count(),
+        hashes.lines().count(),
+        "the file names pictures that no longer exist"
+    );
     // All differ: a golden that any picture would meet proves nothing.
     let distinct: std::collections::HashSet<&str> = hashes.lines().map(|l| &l[..64]).collect();
     assert_eq!(distinct.len(), hashes.lines().count());

@@ -10,14 +10,22 @@ use render::model::{self, Built};
 
 /// Peak signal-to-noise ratio of two images, in dB.
 fn psnr(a: &Rendered, b: &Rendered) -> f64 {
-    let squared: f64 = a.rgba8.iter().zip(&b.rgba8).map(|(&p, &q)| (f64::from(p) - f64::from(q)).powi(2)).sum();
+    let squared: f64 = a
+        .rgba8
+        .iter()
+        .zip(&b.rgba8)
+        .map(|(&p, &q)| (f64::from(p) - f64::from(q)).powi(2))
+        .sum();
     10.0 * (255.0f64.powi(2) * a.rgba8.len() as f64 / squared.max(1e-9)).log10()
 }
 
 fn draw(built: &Built, level: usize, correspond: Correspond, camera: &Camera) -> Rendered {
-    let (picture, warnings) = stage(&built.scene, &built.subjects(level), correspond, true).unwrap();
+    let (picture, warnings) =
+        stage(&built.scene, &built.subjects(level), correspond, true).unwrap();
     assert_eq!(warnings, Vec::<String>::new());
-    Renderer::cpu(picture).draw(camera, &Options::default()).unwrap()
+    Renderer::cpu(picture)
+        .draw(camera, &Options::default())
+        .unwrap()
 }
 
 /// Pixels whose triangle differs although the sample is well inside; and whose colour differs by more than one step.
@@ -36,14 +44,30 @@ fn faults(reference: &Rendered, level_zero: &Rendered) -> (usize, usize) {
 }
 
 fn check(name: &str, request: &str) {
-    let Some(path) = model::path(name) else { return };
+    let Some(path) = model::path(name) else {
+        return;
+    };
     let scene = Scene::load(&path).unwrap();
-    let built = model::build(scene, &request.parse::<PrimaryRequest>().unwrap(), 128, Layout::Packed, &[0.1]);
+    let built = model::build(
+        scene,
+        &request.parse::<PrimaryRequest>().unwrap(),
+        128,
+        Layout::Packed,
+        &[0.1],
+    );
     let (picture, _) = stage(&built.scene, &[], Correspond::Reference, false).unwrap();
     let (centre, radius) = picture.bounding_sphere();
     for (azimuth, elevation) in [(30.0, 20.0), (200.0, -35.0)] {
-        let camera =
-            Camera::framed(centre, radius, azimuth, elevation, Projection::Perspective, 256, 256).unwrap();
+        let camera = Camera::framed(
+            centre,
+            radius,
+            azimuth,
+            elevation,
+            Projection::Perspective,
+            256,
+            256,
+        )
+        .unwrap();
         let reference = draw(&built, 0, Correspond::Reference, &camera);
         let zero = draw(&built, 0, Correspond::Inverse, &camera);
         let db = psnr(&reference, &zero);
@@ -53,9 +77,16 @@ fn check(name: &str, request: &str) {
         assert!(db > 60.0, "{name}: {db}");
         // A coarse LoD: no pixel without a reference point, and a picture that is close, through tables.
         let coarse = draw(&built, 1, Correspond::Inverse, &camera);
-        let unknown = coarse.triangle.iter().zip(&coarse.draw).filter(|(t, d)| **t == u32::MAX && **d != u32::MAX);
+        let unknown = coarse
+            .triangle
+            .iter()
+            .zip(&coarse.draw)
+            .filter(|(t, d)| **t == u32::MAX && **d != u32::MAX);
         assert_eq!(unknown.count(), 0, "{name}");
-        assert!(coarse.mean_fetches > 1.0 && psnr(&reference, &coarse) > 15.0, "{name}");
+        assert!(
+            coarse.mean_fetches > 1.0 && psnr(&reference, &coarse) > 15.0,
+            "{name}"
+        );
         // Negative control: the faults are seen where there are some.
         assert!(faults(&reference, &coarse).0 > 0, "{name}");
     }

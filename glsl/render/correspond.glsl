@@ -28,10 +28,10 @@ int query_coordinate(int v0, int v1, int v2, vec3 b) {
     precise float offset = b.y * float((v1 - v0) << QUERY_SHIFT) + b.z * float((v2 - v0) << QUERY_SHIFT);
     precise float rounded = floor(offset + 0.5);
     int i = int(min(max(rounded, -1.0e9), 1.0e9));
-    return min(max((v0 << QUERY_SHIFT) + i, -QUERY_MAX), QUERY_MAX);
+    return (v0 << QUERY_SHIFT) + i;
 }
 
-// T3 at barycentrics b of a drawn triangle, on the query grid.
+// T3 at barycentrics b of a drawn triangle, on the query grid; possibly outside the domain.
 ivec3 query_point(ivec3 v0, ivec3 v1, ivec3 v2, vec3 b) {
     return ivec3(query_coordinate(v0.x, v1.x, v2.x, b), query_coordinate(v0.y, v1.y, v2.y, b), query_coordinate(v0.z, v1.z, v2.z, b));
 }
@@ -90,6 +90,7 @@ Correspondence inverse_at(uint draw, uint layer, ivec3 query, ivec3 query_x, ive
     tables.table_layout = draws.records[draw].igt[5];
     tables.flat_t3 = draws.records[draw].igt[6];
     tables.bits = draws.records[draw].igt[7];
+    query = clamp(query, ivec3(-QUERY_MAX), ivec3(QUERY_MAX));
     IgtFound found = igt_lookup(tables, query, layer, true);
     Correspondence r;
     r.fetches = found.fetches;

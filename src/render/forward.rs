@@ -8,10 +8,13 @@ use super::device::Arrays;
 use super::draw::ViewConstants;
 use super::picture::Picture;
 use super::shade::{Aov, NOTHING, Pixel};
-use crate::attribute::texture::{FLAG_NEAREST, FLAG_NO_MIPS, FLAG_SRGB, LEVELS_AT, TEXTURE_WORDS, TextureSet};
+use crate::attribute::texture::{
+    FLAG_NEAREST, FLAG_NO_MIPS, FLAG_SRGB, LEVELS_AT, TEXTURE_WORDS, TextureSet,
+};
 use crate::gpu::shaders::render_forward::{Bindings, Push, Shader};
 use crate::gpu::{
-    Bound, Clear, Context, GraphicsOptions, GraphicsPass, Image, ImageOptions, Sampler, SamplerOptions, Timings, vk,
+    Bound, Clear, Context, GraphicsOptions, GraphicsPass, Image, ImageOptions, Sampler,
+    SamplerOptions, Timings, vk,
 };
 use crate::{Error, Result};
 
@@ -21,7 +24,11 @@ const CLASSES: usize = 8;
 const CLASS_AT: usize = 6;
 
 /// Formats of the colour attachments: linear colour; triangle, draw, barycentrics; fetches.
-const FORMATS: [vk::Format; 3] = [vk::Format::R32G32B32A32_SFLOAT, vk::Format::R32G32B32A32_UINT, vk::Format::R32_UINT];
+const FORMATS: [vk::Format; 3] = [
+    vk::Format::R32G32B32A32_SFLOAT,
+    vk::Format::R32G32B32A32_UINT,
+    vk::Format::R32_UINT,
+];
 
 /// A picture bound to the forward pipeline.
 pub(crate) struct Forward {
@@ -37,10 +44,16 @@ impl Forward {
         let (records, classes) = classes(set)?;
         let mut images = Vec::with_capacity(CLASSES);
         for class in &classes {
-            images.push((image(context, set, class)?, sampler(context, set, class[0])?));
+            images.push((
+                image(context, set, class)?,
+                sampler(context, set, class[0])?,
+            ));
         }
         while images.len() < CLASSES {
-            images.push((blank(context)?, context.sampler(&SamplerOptions::default())?));
+            images.push((
+                blank(context)?,
+                context.sampler(&SamplerOptions::default())?,
+            ));
         }
         let textures = context.upload("texture classes", &records)?;
         let options = GraphicsOptions {
@@ -110,9 +123,28 @@ impl Forward {
         let pixel = |(((linear, id), fetches), depth): ((([f32; 4], [u32; 4]), u32), f32)| {
             let [triangle, draw, b1, b2] = id;
             let barycentric = [f32::from_bits(b1), f32::from_bits(b2)];
-            Pixel { linear, rgba8: 0, aov: Aov { triangle, draw, barycentric, fetches, depth } }
+            Pixel {
+                linear,
+                rgba8: 0,
+                aov: Aov {
+                    triangle,
+                    draw,
+                    barycentric,
+                    fetches,
+                    depth,
+                },
+            }
         };
-        Ok((colour.into_iter().zip(ids).zip(fetches).zip(depth).map(pixel).collect(), timings))
+        Ok((
+            colour
+                .into_iter()
+                .zip(ids)
+                .zip(fetches)
+                .zip(depth)
+                .map(pixel)
+                .collect(),
+            timings,
+        ))
     }
 
     fn push(&self, view: &ViewConstants) -> Push {
@@ -153,7 +185,11 @@ fn classes(set: &TextureSet) -> Result<(Vec<u32>, Vec<Vec<usize>>)> {
     }
     if classes.len() > CLASSES {
         let what = "kinds of textures (size, colour space, sampler) of the forward path; --path deferred has no limit";
-        return Err(Error::Capacity { what: what.into(), need: classes.len() as u64, have: CLASSES as u64 });
+        return Err(Error::Capacity {
+            what: what.into(),
+            need: classes.len() as u64,
+            have: CLASSES as u64,
+        });
     }
     Ok((records, classes))
 }
@@ -178,7 +214,11 @@ fn image(context: &Context, set: &TextureSet, class: &[usize]) -> Result<Image> 
         size: [width, height],
         layers: Some(class.len() as u32),
         levels,
-        format: if srgb { vk::Format::R8G8B8A8_SRGB } else { vk::Format::R8G8B8A8_UNORM },
+        format: if srgb {
+            vk::Format::R8G8B8A8_SRGB
+        } else {
+            vk::Format::R8G8B8A8_UNORM
+        },
         usage: vk::ImageUsageFlags::SAMPLED,
     };
     let levels: Vec<&[u8]> = texels.iter().map(Vec::as_slice).collect();
@@ -204,7 +244,11 @@ fn sampler(context: &Context, set: &TextureSet, id: usize) -> Result<Sampler> {
         1 => vk::SamplerAddressMode::MIRRORED_REPEAT,
         _ => vk::SamplerAddressMode::CLAMP_TO_EDGE,
     };
-    let filter = if record[5] & FLAG_NEAREST != 0 { vk::Filter::NEAREST } else { vk::Filter::LINEAR };
+    let filter = if record[5] & FLAG_NEAREST != 0 {
+        vk::Filter::NEAREST
+    } else {
+        vk::Filter::LINEAR
+    };
     context.sampler(&SamplerOptions {
         magnify: filter,
         minify: filter,

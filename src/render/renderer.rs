@@ -3,18 +3,18 @@
 use super::camera::Camera;
 #[cfg(feature = "gpu")]
 use super::device::{Device, upload};
+use super::draw::{Light, ViewConstants};
 #[cfg(feature = "gpu")]
 use super::forward::Forward;
-use super::draw::{Light, ViewConstants};
 use super::picture::Picture;
 use super::shade::{
     Aov, FETCHES_SHIFT, FLAG_WIREFRAME, NOTHING, OUTPUT_FETCHES, OUTPUT_LIT, OUTPUT_NORMALS,
     OUTPUT_UNLIT, Pixel,
 };
 use super::{project, raster, resolve, shade};
-use crate::{Error, Result};
 #[cfg(feature = "gpu")]
 use crate::gpu;
+use crate::{Error, Result};
 
 /// What is written into the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

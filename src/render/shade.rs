@@ -242,16 +242,25 @@ fn colour(
 pub(crate) fn encode(pixels: &mut [Pixel], constants: &[f32], flags: u32) {
     let thresholds = &constants[THRESHOLDS_AT..THRESHOLDS_AT + 256];
     let output = flags & OUTPUT_MASK;
-    pixels.par_iter_mut().filter(|p| p.aov.draw != NOTHING).for_each(|pixel| {
-        if output == OUTPUT_FETCHES {
-            let [r, g, b] = false_colour(constants, pixel.aov.fetches, flags);
-            pixel.linear = [r, g, b, 1.0];
-        }
-        let coded = output == OUTPUT_NORMALS || output == OUTPUT_FETCHES;
-        let code = |c: f32| if coded { unit_encode(c) } else { srgb_encode(thresholds, c) };
-        let [r, g, b, _] = pixel.linear;
-        pixel.rgba8 = code(r) | (code(g) << 8) | (code(b) << 16) | 0xff00_0000;
-    });
+    pixels
+        .par_iter_mut()
+        .filter(|p| p.aov.draw != NOTHING)
+        .for_each(|pixel| {
+            if output == OUTPUT_FETCHES {
+                let [r, g, b] = false_colour(constants, pixel.aov.fetches, flags);
+                pixel.linear = [r, g, b, 1.0];
+            }
+            let coded = output == OUTPUT_NORMALS || output == OUTPUT_FETCHES;
+            let code = |c: f32| {
+                if coded {
+                    unit_encode(c)
+                } else {
+                    srgb_encode(thresholds, c)
+                }
+            };
+            let [r, g, b, _] = pixel.linear;
+            pixel.rgba8 = code(r) | (code(g) << 8) | (code(b) << 16) | 0xff00_0000;
+        });
 }
 
 /// False colour of a number of fetches.

@@ -25,10 +25,30 @@ pub fn build(mesh: Mesh, request: &str, layout: Layout, fraction: f32) -> Invers
     let (primary, _) = choose(&mesh, &request).unwrap();
     let parts = layer::parts(&mesh, &primary);
     let world = glam::Mat4::IDENTITY.to_cols_array_2d();
-    let input = LodInput { mesh: &mesh, primary: &primary, parts: &parts, world };
-    let lod = lod::chains(&[input], &[fraction]).unwrap().remove(0).remove(0);
-    let tables = tables(&mesh, &primary, &parts, layout, std::slice::from_ref(&lod), 64);
-    Inverse { mesh, parts, lod, tables }
+    let input = LodInput {
+        mesh: &mesh,
+        primary: &primary,
+        parts: &parts,
+        world,
+    };
+    let lod = lod::chains(&[input], &[fraction])
+        .unwrap()
+        .remove(0)
+        .remove(0);
+    let tables = tables(
+        &mesh,
+        &primary,
+        &parts,
+        layout,
+        std::slice::from_ref(&lod),
+        64,
+    );
+    Inverse {
+        mesh,
+        parts,
+        lod,
+        tables,
+    }
 }
 
 /// The tables of a mesh that serve `lods`.
@@ -48,18 +68,27 @@ pub fn tables(
 }
 
 fn asking(lod: &Lod) -> Asking<'_> {
-    Asking { t3: &lod.t3, triangles: &lod.triangles, layer: &lod.triangle_layer }
+    Asking {
+        t3: &lod.t3,
+        triangles: &lod.triangles,
+        layer: &lod.triangle_layer,
+    }
 }
 
 /// LoDs side by side, each through its own tables.
 pub fn picture(all: &[&Inverse]) -> Picture {
     let (textures, materials) = textured();
     let mut attributes = AttributeSet::new(textures, &materials, 1);
-    let bases: Vec<u32> = all.iter().map(|i| attributes.push_mesh(&i.mesh).unwrap()).collect();
+    let bases: Vec<u32> = all
+        .iter()
+        .map(|i| attributes.push_mesh(&i.mesh).unwrap())
+        .collect();
     let mut picture = Picture::new(attributes);
     for (k, (i, base)) in all.iter().zip(bases).enumerate() {
         let lod = &i.lod;
-        let geometry = picture.add_geometry(&lod.positions, &lod.triangles, &lod.t3, &lod.triangle_layer).unwrap();
+        let geometry = picture
+            .add_geometry(&lod.positions, &lod.triangles, &lod.t3, &lod.triangle_layer)
+            .unwrap();
         let tables = picture.add_tables(Arc::clone(&i.tables));
         let world = DMat4::from_translation(glam::DVec3::new(1.7 * k as f64, 0.0, 0.0));
         picture.draw(geometry, base, Some(tables), world).unwrap();

@@ -15,7 +15,12 @@ pub fn board(n: u32) -> Vec<u8> {
         .flat_map(|i| {
             let (x, y) = (i % n, i / n);
             let light = if (x / 8 + y / 8) % 2 == 0 { 200 } else { 40 };
-            [(light + x % 56) as u8, (light + y % 56) as u8, (x * y % 251) as u8, 255]
+            [
+                (light + x % 56) as u8,
+                (light + y % 56) as u8,
+                (x * y % 251) as u8,
+                255,
+            ]
         })
         .collect()
 }
@@ -23,18 +28,32 @@ pub fn board(n: u32) -> Vec<u8> {
 /// A bumpy tangent-space normal map, `n` x `n` texels.
 pub fn bumps(n: u32) -> Vec<u8> {
     let wave = |k: u32| (128 + (k % 16) * 5 - 40) as u8;
-    (0..n * n).flat_map(|i| [wave(i % n), wave(i / n), 240, 255]).collect()
+    (0..n * n)
+        .flat_map(|i| [wave(i % n), wave(i / n), 240, 255])
+        .collect()
 }
 
 /// A material with a textured colour and normal map.
 pub fn textured() -> (TextureSet, Vec<Material>) {
     let mut textures = TextureSet::default();
     let (colour, normal) = (board(64), bumps(32));
-    let pixels = |width, rgba| Pixels { width, height: width, rgba };
+    let pixels = |width, rgba| Pixels {
+        width,
+        height: width,
+        rgba,
+    };
     let transform = [[3.0, 0.0, 0.1], [0.0, 2.0, -0.2]];
-    let slot = |texture| SlotBinding { texture, uv_set: 0, transform };
-    let base = textures.add(0, true, Sampler::default(), || Ok(pixels(64, &colour))).unwrap();
-    let bump = textures.add(1, false, Sampler::default(), || Ok(pixels(32, &normal))).unwrap();
+    let slot = |texture| SlotBinding {
+        texture,
+        uv_set: 0,
+        transform,
+    };
+    let base = textures
+        .add(0, true, Sampler::default(), || Ok(pixels(64, &colour)))
+        .unwrap();
+    let bump = textures
+        .add(1, false, Sampler::default(), || Ok(pixels(32, &normal)))
+        .unwrap();
     let material = Material {
         metallic: 0.2,
         roughness: 0.5,
@@ -48,10 +67,15 @@ pub fn textured() -> (TextureSet, Vec<Material>) {
 pub fn picture(meshes: &[(&Mesh, glam::DMat4)]) -> Picture {
     let (textures, materials) = textured();
     let mut attributes = AttributeSet::new(textures, &materials, 1);
-    let bases: Vec<u32> = meshes.iter().map(|(mesh, _)| attributes.push_mesh(mesh).unwrap()).collect();
+    let bases: Vec<u32> = meshes
+        .iter()
+        .map(|(mesh, _)| attributes.push_mesh(mesh).unwrap())
+        .collect();
     let mut picture = Picture::new(attributes);
     for ((mesh, world), base) in meshes.iter().zip(bases) {
-        let geometry = picture.add_geometry(&mesh.positions, &mesh.triangles, &[], &[]).unwrap();
+        let geometry = picture
+            .add_geometry(&mesh.positions, &mesh.triangles, &[], &[])
+            .unwrap();
         picture.draw(geometry, base, None, *world).unwrap();
     }
     picture
@@ -60,7 +84,16 @@ pub fn picture(meshes: &[(&Mesh, glam::DMat4)]) -> Picture {
 /// The camera that frames a picture.
 pub fn camera(picture: &Picture, azimuth: f64, elevation: f64, width: u32, height: u32) -> Camera {
     let (centre, radius) = picture.bounding_sphere();
-    Camera::framed(centre, radius, azimuth, elevation, Projection::Perspective, width, height).unwrap()
+    Camera::framed(
+        centre,
+        radius,
+        azimuth,
+        elevation,
+        Projection::Perspective,
+        width,
+        height,
+    )
+    .unwrap()
 }
 
 /// A shape with tangents along its uv set.
@@ -94,8 +127,13 @@ pub fn contexts() -> Vec<invertex::gpu::Context> {
     use invertex::gpu::{Context, ContextOptions, DeviceChoice, devices};
     let found = devices().unwrap_or_default();
     let usable = found.iter().filter(|d| d.usable);
-    let options = |index| ContextOptions { device: DeviceChoice::Index(index), validation: true };
-    let out: Vec<Context> = usable.map(|d| Context::new(&options(d.index)).unwrap()).collect();
+    let options = |index| ContextOptions {
+        device: DeviceChoice::Index(index),
+        validation: true,
+    };
+    let out: Vec<Context> = usable
+        .map(|d| Context::new(&options(d.index)).unwrap())
+        .collect();
     if out.is_empty() {
         eprintln!("SKIPPED: no usable Vulkan device");
     }

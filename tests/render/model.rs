@@ -13,7 +13,9 @@ use std::sync::Arc;
 /// The file of a shared model, if it is here; says loudly if not.
 pub fn path(name: &str) -> Option<PathBuf> {
     let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
-    let path = std::env::var_os("INVERTEX_MODELS").map_or_else(beside, PathBuf::from).join(name);
+    let path = std::env::var_os("INVERTEX_MODELS")
+        .map_or_else(beside, PathBuf::from)
+        .join(name);
     if !path.exists() {
         eprintln!("SKIPPED: no {}", path.display());
         return None;
@@ -36,20 +38,40 @@ pub struct BuiltMesh {
 }
 
 /// Builds all meshes of a model.
-pub fn build(scene: Scene, request: &PrimaryRequest, hash: u32, layout: Layout, fractions: &[f32]) -> Built {
+pub fn build(
+    scene: Scene,
+    request: &PrimaryRequest,
+    hash: u32,
+    layout: Layout,
+    fractions: &[f32],
+) -> Built {
     let chosen: Vec<Option<(Primary, Parts)>> = scene
         .meshes
         .iter()
-        .map(|mesh| choose(mesh, request).ok().map(|(primary, _)| (primary, layer::parts(mesh, &primary))))
+        .map(|mesh| {
+            choose(mesh, request)
+                .ok()
+                .map(|(primary, _)| (primary, layer::parts(mesh, &primary)))
+        })
         .collect();
     let instances = scene.instances();
     let world = |m: usize| {
         let found = instances.iter().find(|i| i.mesh == m);
-        found.map_or(glam::Mat4::IDENTITY.to_cols_array_2d(), |i| i.world_columns())
+        found.map_or(glam::Mat4::IDENTITY.to_cols_array_2d(), |i| {
+            i.world_columns()
+        })
     };
-    let built = chosen.iter().enumerate().filter_map(|(m, c)| c.as_ref().map(|c| (m, c)));
+    let built = chosen
+        .iter()
+        .enumerate()
+        .filter_map(|(m, c)| c.as_ref().map(|c| (m, c)));
     let inputs: Vec<LodInput> = built
-        .map(|(m, (primary, parts))| LodInput { mesh: &scene.meshes[m], primary, parts, world: world(m) })
+        .map(|(m, (primary, parts))| LodInput {
+            mesh: &scene.meshes[m],
+            primary,
+            parts,
+            world: world(m),
+        })
         .collect();
     let mut chains = lod::chains(&inputs, fractions).unwrap().into_iter();
     let meshes = chosen
@@ -59,7 +81,12 @@ pub fn build(scene: Scene, request: &PrimaryRequest, hash: u32, layout: Layout, 
             let (primary, parts) = chosen?;
             let chain = chains.next().unwrap();
             let tables = inverse::tables(&scene.meshes[m], &primary, &parts, layout, &chain, hash);
-            Some(BuiltMesh { primary, parts, chain, tables })
+            Some(BuiltMesh {
+                primary,
+                parts,
+                chain,
+                tables,
+            })
         })
         .collect();
     Built { scene, meshes }
