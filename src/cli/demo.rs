@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::time::Instant;
 
 use super::device::Device;
-use super::drawing::{self, Mode, Shading};
+use super::drawing::{self, DrawPath, Mode, Shading, Wish};
 use super::progress::Bar;
 use super::{Common, build, demo_report, note, print};
 
@@ -208,7 +208,8 @@ impl Studio<'_> {
         };
         let of = 1 + LODS.len() * 4;
         self.bar.at(&format!("picture: LoD {lod}, {what}"), images.len() as u64, of as u64);
-        let (renderer, _) = drawing::renderer(&self.model, lod, mode, Shading::Lit, &self.device)?;
+        let wish = Wish { level: lod, mode, shading: Shading::Lit, path: DrawPath::Deferred };
+        let (renderer, _) = drawing::renderer(&self.model, wish, &self.device)?;
         let image = renderer.draw(&self.camera, &drawing::options(mode, Shading::Lit, 4))?;
         let shown = shown(&renderer, &image, original.filter(|_| matches!(mode, Mode::Igt | Mode::Plain)))?;
         let file = if lod == 0 { format!("{what}.png") } else { format!("lod{lod}-{what}.png") };

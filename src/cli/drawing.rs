@@ -55,6 +55,28 @@ impl Mode {
     }
 }
 
+/// How a picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum DrawPath {
+    /// Ids first, then all shading in one compute pass: the same bytes on every device.
+    Deferred,
+    /// All in the fragment shader, as an engine would; needs a device.
+    Forward,
+}
+
+/// What a renderer is made for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wish {
+    /// The level of detail.
+    pub(super) level: usize,
+    /// What is drawn.
+    pub(super) mode: Mode,
+    /// How light falls.
+    pub(super) shading: Shading,
+    /// How it is drawn.
+    pub(super) path: DrawPath,
+}
+
 /// The renderer's options for a mode.
 pub(super) fn options(mode: Mode, shading: Shading, samples: u32) -> Options {
     let output = match (mode, shading) {
@@ -66,23 +88,25 @@ pub(super) fn options(mode: Mode, shading: Shading, samples: u32) -> Options {
     Options { output, wireframe: mode == Mode::Wireframe, samples, ..Options::default() }
 }
 
-/// Stages `model` at `level` and makes it ready on `device`; also what was replaced on the way.
-pub(super) fn renderer(
-    model: &Model,
-    level: usize,
-    mode: Mode,
-    shading: Shading,
-    device: &Device,
-) -> Result<(Renderer, Vec<String>)> {
-    let lit = shading == Shading::Lit || mode == Mode::Normals;
+/// Stages `model` as `wish` says and makes it ready on `device`; also what was replaced on the way.
+pub(super) fn renderer(model: &Model, wish: Wish, device: &Device) -> Result<(Renderer, Vec<String>)> {
+    let lit = wish.shading == Shading::Lit || wish.mode == Mode::Normals;
     let (picture, warnings) = match model {
         Model::Plain(scene) => stage(scene, &[], Correspond::Reference, lit)?,
-        Model::Built(built) => stage(&built.scene, &subjects(built, level), mode.correspond(true), lit)?,
+        Model::Built(built) => {
+            stage(&built.scene, &subjects(built, wish.level), wish.mode.correspond(true), lit)?
+        }
     };
-    let renderer = match device {
-        Device::Cpu => Renderer::cpu(picture),
+    let renderer = match (device, wish.path) {
+        (Device::Cpu, DrawPath::Deferred) => Renderer::cpu(picture),
+        (Device::Cpu, DrawPath::Forward) => {
+            let reason = "--path forward is drawn by a device only; see `invertex doctor`, or use --path deferred".to_owned();
+            return Err(Error::NoDevice { reason });
+        }
         #[cfg(feature = "gpu")]
-        Device::Gpu(context) => Renderer::on(context, picture)?,
+        (Device::Gpu(context), DrawPath::Deferred) => Renderer::on(context, picture)?,
+        #[cfg(feature = "gpu")]
+        (Device::Gpu(context), DrawPath::Forward) => Renderer::forward(context, picture)?,
     };
     Ok((renderer, warnings))
 }

@@ -12,7 +12,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::device::Device;
-use super::drawing::{self, Background, Format, Mode, Shading};
+use super::drawing::{self, Background, DrawPath, Format, Mode, Shading, Wish};
 use super::lod_choice::LodChoice;
 use super::print::{self, Table, thousands};
 use super::progress::Bar;
@@ -84,12 +84,6 @@ pub(super) struct Render {
     /// Draw this mesh alone.
     #[arg(long, value_name = "NAME")]
     mesh: Option<String>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum DrawPath {
-    Deferred,
-    Forward,
 }
 
 #[derive(Clone, Copy)]
@@ -264,8 +258,8 @@ struct Stages<'a> {
 impl Stages<'_> {
     fn at(&mut self, level: usize) -> Result<&Renderer> {
         if !self.ready.contains_key(&level) {
-            let (renderer, warnings) =
-                drawing::renderer(self.model, level, self.render.mode, self.render.shading, self.device)?;
+            let Render { mode, shading, path, .. } = *self.render;
+            let (renderer, warnings) = drawing::renderer(self.model, Wish { level, mode, shading, path }, self.device)?;
             if self.ready.is_empty() {
                 self.warnings = warnings;
             }
