@@ -10,73 +10,17 @@
 //! The same scene and settings give the same model, whichever processor builds the tables.
 
 use super::report::{self, MeshReport};
+use super::settings::{BuildSettings, Processor, Progress, check, hash_for};
 use super::{Built, BuiltMesh};
-use crate::igt::{self, Asking, BuildOptions, Layout, Needs, Reference, Tables};
+use crate::igt::{self, Asking, BuildOptions, Needs, Reference, Tables};
 use crate::lod::deviation::{Deviation, deviation};
 use crate::lod::{self, Lod, LodInput};
 use crate::mesh::Mesh;
-use crate::param::{self, Parts, Primary, PrimaryRequest};
+use crate::param::{self, Parts, Primary};
 use crate::scene::Scene;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::time::Instant;
-
-/// What a build needs to know besides the scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BuildSettings {
-    /// The primary parameterization of meshes that `primary_of` does not name.
-    pub primary: PrimaryRequest,
-    /// Primary parameterizations by the name of the mesh.
-    pub primary_of: Vec<(String, PrimaryRequest)>,
-    /// Texels along each side of the hash texture, a power of two; `None`: by the mesh's triangles, see [`hash_for`].
-    pub hash: Option<u32>,
-    /// The layout of the tables.
-    pub layout: Layout,
-    /// Fractions of the whole model's triangles, one for each LoD.
-    pub lods: Vec<f32>,
-}
-
-impl Default for BuildSettings {
-    fn default() -> Self {
-        BuildSettings {
-            primary: PrimaryRequest::Auto,
-            primary_of: Vec::new(),
-            hash: None,
-            layout: Layout::Packed,
-            lods: vec![0.5, 0.2, 0.1, 0.05],
-        }
-    }
-}
-
-/// Where tables are built. The bytes are the same.
-#[derive(Clone, Copy, Default)]
-pub enum Processor<'a> {
-    /// On all cores.
-    #[default]
-    Cpu,
-    /// On a Vulkan device.
-    #[cfg(feature = "gpu")]
-    Device(&'a crate::gpu::Context),
-    /// Never made; keeps the lifetime where there are no devices.
-    #[cfg(not(feature = "gpu"))]
-    #[doc(hidden)]
-    Absent(&'a std::convert::Infallible),
-}
-
-/// Hears how a build goes. `()` hears nothing.
-pub trait Progress {
-    /// `stage` is at work on `subject` (a mesh, or nothing in particular); `done` of `of` steps of the build are over.
-    fn at(&self, stage: &'static str, subject: &str, done: usize, of: usize) {
-        let _ = (stage, subject, done, of);
-    }
-
-    /// Asked between steps: whether to stop, which ends the build with [`Error::Cancelled`].
-    fn cancelled(&self) -> bool {
-        false
-    }
-}
-
-impl Progress for () {}
 
 /// A built model and what was found on the way.
 #[derive(Clone, Debug)]
@@ -101,8 +45,17 @@ pub fn build(
     progress: &dyn Progress,
 ) -> Result<BuildOutcome> {
     check(&scene, settings)?;
-    let meshes: Vec<usize> = (0..scene.meshes.len()).filter(|&m| !scene.meshes[m].triangles.is_empty()).collect();
-    let mut work = Work { scene: &scene, settings, progress, done: 0, of: meshes.len() * 4 + 1, milliseconds: Vec::new() };
+    let meshes: Vec<usize> = (0..scene.meshes.len())
+        .filter(|&m| !scene.meshes[m].triangles.is_empty())
+        .collect();
+    let mut work = Work {
+        scene: &scene,
+        settings,
+        progress,
+        done: 0,
+        of: meshes.len() * 4 + 1,
+        milliseconds: Vec::new(),
+    };
     let chosen = work.each("primary", &meshes, |m| choose(&scene.meshes[m], settings))?;
     let parts = work.each("parts", &meshes, |m| {
         let at = meshes.iter().position(|&other| other == m).unwrap_or(0);
@@ -110,11 +63,23 @@ pub fn build(
     })?;
     let chains = work.chains(&meshes, &chosen, &parts)?;
     let mut prepared: Vec<Prepared> = Vec::with_capacity(meshes.len());
-    for (((mesh, (primary, why)), parts), lods) in meshes.iter().copied().zip(chosen).zip(parts).zip(chains) {
-        prepared.push(Prepared { mesh, primary, why, parts, lods });
+    for (((mesh, (primary, why)), parts), lods) in
+        meshes.iter().copied().zip(chosen).zip(parts).zip(chains)
+    {
+        prepared.push(Prepared {
+            mesh,
+            primary,
+            why,
+            parts,
+            lods,
+        });
     }
-    let tables = work.with_prepared("tables", &prepared, |p| tables(&scene.meshes[p.mesh], p, settings, processor))?;
-    let far = work.with_prepared("deviations", &prepared, |p| Ok(deviations(&scene.meshes[p.mesh], &p.lods)))?;
+    let tables = work.with_prepared("tables", &prepared, |p| {
+        tables(&scene.meshes[p.mesh], p, settings, processor)
+    })?;
+    let far = work.with_prepared("deviations", &prepared, |p| {
+        Ok(deviations(&scene.meshes[p.mesh], &p.lods))
+    })?;
     let milliseconds = work.milliseconds;
     let mut reports = Vec::with_capacity(prepared.len());
     let mut built = Vec::with_capacity(prepared.len());
@@ -129,16 +94,14 @@ pub fn build(
         });
         reports.push(report);
     }
-    Ok(BuildOutcome { built: Built { scene, meshes: built }, reports, milliseconds })
-}
-
-/// The hash resolution for a mesh of `triangles` triangles: about half a triangle a texel, where lists hold some three.
-pub fn hash_for(triangles: usize) -> u32 {
-    let side = (triangles as f64 * 2.0).sqrt() as u32;
-    // The nearest power of two in ratio: past sqrt(2) of one, the next is nearer.
-    let below = 1u32 << side.max(1).ilog2();
-    let nearest = if f64::from(side) > f64::from(below) * std::f64::consts::SQRT_2 { below * 2 } else { below };
-    nearest.clamp(32, 2048)
+    Ok(BuildOutcome {
+        built: Built {
+            scene,
+            meshes: built,
+        },
+        reports,
+        milliseconds,
+    })
 }
 
 /// A mesh on its way: everything but its tables.
@@ -150,46 +113,47 @@ pub(super) struct Prepared {
     pub(super) lods: Vec<Lod>,
 }
 
-fn check(scene: &Scene, settings: &BuildSettings) -> Result<()> {
-    if scene.meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
-        return Err(Error::input(&scene.name, "meshes", "have no triangles: there is nothing to build"));
-    }
-    if let Some(hash) = settings.hash {
-        BuildOptions { hash, layout: settings.layout }.bits()?;
-    }
-    if settings.lods.is_empty() || settings.lods.len() > 32 {
-        let reason = format!("{} levels; 1 to 32 are possible", settings.lods.len());
-        return Err(Error::Option { option: "--lods", reason });
-    }
-    for (name, _) in &settings.primary_of {
-        if !scene.meshes.iter().any(|mesh| mesh.name == *name) {
-            let names: Vec<&str> = scene.meshes.iter().map(|mesh| mesh.name.as_str()).collect();
-            let reason = format!("there is no mesh \"{name}\"; there are: {}", names.join(", "));
-            return Err(Error::Option { option: "--primary", reason });
-        }
-    }
-    Ok(())
-}
-
 fn choose(mesh: &Mesh, settings: &BuildSettings) -> Result<(Primary, String)> {
-    let named = settings.primary_of.iter().find(|(name, _)| *name == mesh.name);
-    param::choose(mesh, named.map_or(&settings.primary, |(_, request)| request))
+    let named = settings
+        .primary_of
+        .iter()
+        .find(|(name, _)| *name == mesh.name);
+    param::choose(
+        mesh,
+        named.map_or(&settings.primary, |(_, request)| request),
+    )
 }
 
-fn tables(mesh: &Mesh, p: &Prepared, settings: &BuildSettings, processor: Processor<'_>) -> Result<Tables> {
-    let hash = settings.hash.unwrap_or_else(|| hash_for(mesh.triangles.len()));
-    let options = BuildOptions { hash, layout: settings.layout };
+fn tables(
+    mesh: &Mesh,
+    p: &Prepared,
+    settings: &BuildSettings,
+    processor: Processor<'_>,
+) -> Result<Tables> {
+    let hash = settings
+        .hash
+        .unwrap_or_else(|| hash_for(mesh.triangles.len()));
+    let options = BuildOptions {
+        hash,
+        layout: settings.layout,
+    };
     let reference = Reference::new(mesh, &p.primary, &p.parts.triangle_layer, settings.layout)?;
     let asking: Vec<Asking> = p
         .lods
         .iter()
-        .map(|lod| Asking { t3: &lod.t3, triangles: &lod.triangles, layer: &lod.triangle_layer })
+        .map(|lod| Asking {
+            t3: &lod.t3,
+            triangles: &lod.triangles,
+            layer: &lod.triangle_layer,
+        })
         .collect();
     let needs = Needs::of(&reference, &asking, options.bits()?);
     match processor {
         Processor::Cpu => igt::build_cpu(&reference, &needs, options),
         #[cfg(feature = "gpu")]
-        Processor::Device(context) => Ok(igt::gpu::build(context, &reference, &needs, options)?.tables),
+        Processor::Device(context) => {
+            Ok(igt::gpu::build(context, &reference, &needs, options)?.tables)
+        }
         #[cfg(not(feature = "gpu"))]
         Processor::Absent(never) => match *never {},
     }
@@ -197,7 +161,9 @@ fn tables(mesh: &Mesh, p: &Prepared, settings: &BuildSettings, processor: Proces
 
 fn deviations(mesh: &Mesh, lods: &[Lod]) -> Vec<Deviation> {
     let reference = (mesh.positions.as_slice(), mesh.triangles.as_slice());
-    lods.par_iter().map(|lod| deviation(reference, (&lod.positions, &lod.triangles))).collect()
+    lods.par_iter()
+        .map(|lod| deviation(reference, (&lod.positions, &lod.triangles)))
+        .collect()
 }
 
 /// Steps, their times, and the one who listens.
@@ -212,7 +178,12 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// One step of `stage`.
-    fn step<T>(&mut self, stage: &'static str, subject: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
+    fn step<T>(
+        &mut self,
+        stage: &'static str,
+        subject: &str,
+        work: impl FnOnce() -> Result<T>,
+    ) -> Result<T> {
         if self.progress.cancelled() {
             return Err(Error::Cancelled);
         }
@@ -220,7 +191,11 @@ impl Work<'_> {
         let start = Instant::now();
         let result = work()?;
         let spent = start.elapsed().as_secs_f64() * 1e3;
-        match self.milliseconds.iter_mut().find(|(name, _)| *name == stage) {
+        match self
+            .milliseconds
+            .iter_mut()
+            .find(|(name, _)| *name == stage)
+        {
             Some((_, total)) => *total += spent,
             None => self.milliseconds.push((stage, spent)),
         }
@@ -228,9 +203,17 @@ impl Work<'_> {
         Ok(result)
     }
 
-    fn each<T>(&mut self, stage: &'static str, meshes: &[usize], work: impl Fn(usize) -> Result<T>) -> Result<Vec<T>> {
+    fn each<T>(
+        &mut self,
+        stage: &'static str,
+        meshes: &[usize],
+        work: impl Fn(usize) -> Result<T>,
+    ) -> Result<Vec<T>> {
         let scene = self.scene;
-        meshes.iter().map(|&m| self.step(stage, &scene.meshes[m].name, || work(m))).collect()
+        meshes
+            .iter()
+            .map(|&m| self.step(stage, &scene.meshes[m].name, || work(m)))
+            .collect()
     }
 
     fn with_prepared<T>(
@@ -240,18 +223,31 @@ impl Work<'_> {
         work: impl Fn(&Prepared) -> Result<T>,
     ) -> Result<Vec<T>> {
         let scene = self.scene;
-        prepared.iter().map(|p| self.step(stage, &scene.meshes[p.mesh].name, || work(p))).collect()
+        prepared
+            .iter()
+            .map(|p| self.step(stage, &scene.meshes[p.mesh].name, || work(p)))
+            .collect()
     }
 
     /// The LoDs of all meshes, simplified together.
-    fn chains(&mut self, meshes: &[usize], chosen: &[(Primary, String)], parts: &[Parts]) -> Result<Vec<Vec<Lod>>> {
+    fn chains(
+        &mut self,
+        meshes: &[usize],
+        chosen: &[(Primary, String)],
+        parts: &[Parts],
+    ) -> Result<Vec<Vec<Lod>>> {
         let (scene, fractions) = (self.scene, &self.settings.lods);
         let places = places(scene);
         let inputs: Vec<LodInput> = meshes
             .iter()
             .zip(chosen)
             .zip(parts)
-            .map(|((&m, (primary, _)), parts)| LodInput { mesh: &scene.meshes[m], primary, parts, world: places[m] })
+            .map(|((&m, (primary, _)), parts)| LodInput {
+                mesh: &scene.meshes[m],
+                primary,
+                parts,
+                world: places[m],
+            })
             .collect();
         self.step("lods", "", || lod::chains(&inputs, fractions))
     }
@@ -261,7 +257,11 @@ impl Work<'_> {
 fn places(scene: &Scene) -> Vec<[[f32; 4]; 4]> {
     let mut places = vec![glam::Mat4::IDENTITY.to_cols_array_2d(); scene.meshes.len()];
     // A skinned mesh is placed by its joints, not by its node, so it keeps the identity.
-    let standing: Vec<_> = scene.instances().into_iter().filter(|instance| instance.skin.is_none()).collect();
+    let standing: Vec<_> = scene
+        .instances()
+        .into_iter()
+        .filter(|instance| instance.skin.is_none())
+        .collect();
     for instance in standing.into_iter().rev() {
         places[instance.mesh] = instance.world.as_mat4().to_cols_array_2d();
     }
@@ -271,18 +271,7 @@ fn places(scene: &Scene) -> Vec<[[f32; 4]; 4]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_hash_has_about_two_texels_a_triangle() {
-        assert_eq!(hash_for(8192), 128);
-        assert_eq!(hash_for(1), 32);
-        assert_eq!(hash_for(1 << 19), 1024);
-        assert_eq!(hash_for(100_000_000), 2048);
-        for triangles in [3000, 7000, 94_722, 327_680] {
-            let ratio = f64::from(hash_for(triangles)).powi(2) / triangles as f64;
-            assert!((1.0..=4.1).contains(&ratio), "{triangles}: {ratio}");
-        }
-    }
+    use crate::param::PrimaryRequest;
 
     struct Stop;
     impl Progress for Stop {
@@ -294,17 +283,67 @@ mod tests {
     #[test]
     fn a_build_stops_when_asked_and_refuses_nonsense() {
         let mesh = crate::mesh::shapes::octahedron();
-        let scene = || Scene { name: "s".into(), meshes: vec![mesh.clone()], ..Scene::default() };
+        let scene = || Scene {
+            name: "s".into(),
+            meshes: vec![mesh.clone()],
+            ..Scene::default()
+        };
         let settings = BuildSettings::default();
-        assert!(matches!(build(scene(), &settings, Processor::Cpu, &Stop), Err(Error::Cancelled)));
-        let refused = |settings: BuildSettings| build(scene(), &settings, Processor::Cpu, &()).unwrap_err().exit_code();
-        assert_eq!(refused(BuildSettings { hash: Some(0), ..settings.clone() }), 2);
-        assert_eq!(refused(BuildSettings { hash: Some(1000), ..settings.clone() }), 2);
-        assert_eq!(refused(BuildSettings { lods: vec![], ..settings.clone() }), 2);
-        assert_eq!(refused(BuildSettings { lods: vec![1.5], ..settings.clone() }), 2);
+        assert!(matches!(
+            build(scene(), &settings, Processor::Cpu, &Stop),
+            Err(Error::Cancelled)
+        ));
+        let refused = |settings: BuildSettings| {
+            build(scene(), &settings, Processor::Cpu, &())
+                .unwrap_err()
+                .exit_code()
+        };
+        assert_eq!(
+            refused(BuildSettings {
+                hash: Some(0),
+                ..settings.clone()
+            }),
+            2
+        );
+        assert_eq!(
+            refused(BuildSettings {
+                hash: Some(1000),
+                ..settings.clone()
+            }),
+            2
+        );
+        assert_eq!(
+            refused(BuildSettings {
+                lods: vec![],
+                ..settings.clone()
+            }),
+            2
+        );
+        assert_eq!(
+            refused(BuildSettings {
+                lods: vec![1.5],
+                ..settings.clone()
+            }),
+            2
+        );
         let stranger = vec![("nobody".to_owned(), PrimaryRequest::Sphere(None))];
-        assert_eq!(refused(BuildSettings { primary_of: stranger, ..settings.clone() }), 2);
-        let empty = Scene { name: "s".into(), meshes: vec![Mesh::default()], ..Scene::default() };
-        assert_eq!(build(empty, &settings, Processor::Cpu, &()).unwrap_err().exit_code(), 3);
+        assert_eq!(
+            refused(BuildSettings {
+                primary_of: stranger,
+                ..settings.clone()
+            }),
+            2
+        );
+        let empty = Scene {
+            name: "s".into(),
+            meshes: vec![Mesh::default()],
+            ..Scene::default()
+        };
+        assert_eq!(
+            build(empty, &settings, Processor::Cpu, &())
+                .unwrap_err()
+                .exit_code(),
+            3
+        );
     }
 }

@@ -19,12 +19,14 @@ mod encode;
 mod extension;
 mod original;
 mod report;
+mod settings;
 
-pub use build::{BuildOutcome, BuildSettings, Processor, Progress, build, hash_for};
+pub use build::{BuildOutcome, build};
 pub use decode::{is_built, read};
 pub use encode::to_bytes;
 pub use extension::EXTENSION;
 pub use report::{LodReport, MeshReport, TableBytes};
+pub use settings::{BuildSettings, Processor, Progress, hash_for};
 
 use crate::igt::{Reference, Tables};
 use crate::lod::Lod;

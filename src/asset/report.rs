@@ -99,13 +99,20 @@ impl BuiltMesh {
     /// Largest distance of LoD `lod` (0 is the finest LoD) from the reference, in object units: as the build measured it,
     /// or, where the file does not say so credibly, the simplifier's figure.
     pub fn deviation_max(&self, lod: usize) -> f32 {
-        let said = self.report["lods"][lod]["deviation_max"].as_f64().map(|d| d as f32);
+        let said = self.report["lods"][lod]["deviation_max"]
+            .as_f64()
+            .map(|d| d as f32);
         let credible = said.filter(|d| d.is_finite() && *d >= 0.0);
         credible.unwrap_or_else(|| self.lods.get(lod).map_or(0.0, |lod| lod.error))
     }
 }
 
-pub(super) fn of(mesh: &Mesh, prepared: &Prepared, tables: &Tables, far: &[Deviation]) -> MeshReport {
+pub(super) fn of(
+    mesh: &Mesh,
+    prepared: &Prepared,
+    tables: &Tables,
+    far: &[Deviation],
+) -> MeshReport {
     let primary = &prepared.primary;
     let fit = param::fit(mesh, primary.kind, Some(primary.frame.origin));
     let of_fit = |value: fn(&param::Fit) -> f64| fit.as_ref().map_or(0.0, value);
@@ -137,7 +144,13 @@ pub(super) fn of(mesh: &Mesh, prepared: &Prepared, tables: &Tables, far: &[Devia
         ambiguous_fraction: of_fit(|f| f.overlap_within_parts),
         overlap_fraction: of_fit(|f| f.overlap_fraction),
         turned_fraction: of_fit(|f| f.turned_fraction),
-        bytes: TableBytes { hash, list, triangle, attribute: 0, total: hash + list + triangle },
+        bytes: TableBytes {
+            hash,
+            list,
+            triangle,
+            attribute: 0,
+            total: hash + list + triangle,
+        },
         tables_sha256: tables.sha256(),
         lods: prepared.lods.iter().zip(far).map(lod).collect(),
     }

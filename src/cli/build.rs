@@ -44,13 +44,23 @@ pub(super) struct Build {
     #[arg(long, value_name = "[MESH=]KIND", allow_hyphen_values = true)]
     primary: Vec<String>,
     /// Texels along each side of the hash texture: a power of two up to 8192, or auto (about two texels a triangle).
-    #[arg(long, value_name = "N", default_value = "auto", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "auto",
+        allow_hyphen_values = true
+    )]
     hash: String,
     /// Layout of the tables: ours, or the paper's.
     #[arg(long, value_enum, default_value_t = LayoutName::Packed)]
     layout: LayoutName,
     /// Fractions of the triangles, one for each LoD.
-    #[arg(long, value_name = "F,F,..", default_value = "0.5,0.2,0.1,0.05", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "F,F,..",
+        default_value = "0.5,0.2,0.1,0.05",
+        allow_hyphen_values = true
+    )]
     lods: String,
     /// What simplifies.
     #[arg(long, value_enum, default_value_t = Simplifier::Meshopt)]
@@ -82,8 +92,15 @@ struct Report<'a> {
 }
 
 /// Pairs as a JSON object that keeps their order.
-fn in_order<S: Serializer>(pairs: &[(&'static str, f64)], serializer: S) -> std::result::Result<S::Ok, S::Error> {
-    serializer.collect_map(pairs.iter().map(|(name, ms)| (name, (ms * 1e3).round() / 1e3)))
+fn in_order<S: Serializer>(
+    pairs: &[(&'static str, f64)],
+    serializer: S,
+) -> std::result::Result<S::Ok, S::Error> {
+    serializer.collect_map(
+        pairs
+            .iter()
+            .map(|(name, ms)| (name, (ms * 1e3).round() / 1e3)),
+    )
 }
 
 /// Shows a build as a bar.
@@ -92,7 +109,8 @@ pub(super) struct Watching<'a>(pub(super) &'a Bar);
 impl Progress for Watching<'_> {
     fn at(&self, stage: &'static str, subject: &str, done: usize, of: usize) {
         tracing::debug!("{stage} {subject}");
-        self.0.at(&format!("{stage} {subject}"), done as u64, of as u64);
+        self.0
+            .at(&format!("{stage} {subject}"), done as u64, of as u64);
     }
 }
 
@@ -103,7 +121,10 @@ impl Build {
         let start = Instant::now();
         let scene = load_original(&self.input)?;
         let mut times = vec![("load", milliseconds(start))];
-        scene.warnings.iter().for_each(|warning| note(common, warning));
+        scene
+            .warnings
+            .iter()
+            .for_each(|warning| note(common, warning));
         let device = Device::open(common)?;
         let outcome = {
             let bar = Bar::new(common, 0);
@@ -125,7 +146,11 @@ impl Build {
             meshes: &outcome.reports,
             build_ms: times,
         };
-        if common.json { print::json(&report) } else { print::text(&readable(&report)) }
+        if common.json {
+            print::json(&report)
+        } else {
+            print::text(&readable(&report))
+        }
     }
 
     fn settings(&self) -> Result<BuildSettings> {
@@ -143,7 +168,10 @@ impl Build {
             match text.rsplit_once('=') {
                 Some((mesh, kind)) => settings.primary_of.push((mesh.to_owned(), kind.parse()?)),
                 None if settings.primary != PrimaryRequest::Auto => {
-                    return Err(bad_option("--primary", "given twice for all meshes; write MESH=KIND for one of them"));
+                    return Err(bad_option(
+                        "--primary",
+                        "given twice for all meshes; write MESH=KIND for one of them",
+                    ));
                 }
                 None => settings.primary = text.parse()?,
             }
@@ -153,14 +181,29 @@ impl Build {
 
     /// Everything that can be said about the output before any work.
     fn check_output(&self) -> Result<()> {
-        let known = self.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
+        let known = self
+            .output
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("glb"));
         if !known && !is_device(&self.output) {
-            return Err(bad_option("-o", format!("{}: the file's name must end in .glb", self.output.display())));
+            return Err(bad_option(
+                "-o",
+                format!(
+                    "{}: the file's name must end in .glb",
+                    self.output.display()
+                ),
+            ));
         }
         check_target(&self.output)?;
-        let same = |a: &Path, b: &Path| a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b));
+        let same = |a: &Path, b: &Path| {
+            a.canonicalize()
+                .is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
+        };
         if same(&self.input, &self.output) {
-            let reason = format!("{} is the input; the original would be lost", self.output.display());
+            let reason = format!(
+                "{} is the input; the original would be lost",
+                self.output.display()
+            );
             return Err(bad_option("-o", reason));
         }
         Ok(())
@@ -176,7 +219,11 @@ fn is_device(path: &Path) -> bool {
 pub(super) fn load_original(path: &Path) -> Result<Scene> {
     if asset::is_built(&read_file(path)?) {
         let reason = "this model has inverse textures already; build from the original";
-        return Err(Error::input(path.display().to_string(), asset::EXTENSION, reason));
+        return Err(Error::input(
+            path.display().to_string(),
+            asset::EXTENSION,
+            reason,
+        ));
     }
     Scene::load(path)
 }
@@ -186,14 +233,22 @@ fn hash(text: &str) -> Result<Option<u32>> {
         return Ok(None);
     }
     let number = text.parse::<u32>().ok().filter(|n| n.is_power_of_two());
-    let number = number.ok_or_else(|| bad_option("--hash", format!("\"{text}\" is not auto or a power of two up to 8192")))?;
+    let number = number.ok_or_else(|| {
+        bad_option(
+            "--hash",
+            format!("\"{text}\" is not auto or a power of two up to 8192"),
+        )
+    })?;
     Ok(Some(number))
 }
 
 fn fractions(text: &str) -> Result<Vec<f32>> {
     let one = |part: &str| {
         part.trim().parse::<f32>().map_err(|_| {
-            bad_option("--lods", format!("\"{part}\" is not a number; write fractions such as 0.5,0.2,0.05"))
+            bad_option(
+                "--lods",
+                format!("\"{part}\" is not a number; write fractions such as 0.5,0.2,0.05"),
+            )
         })
     };
     text.split(',').map(one).collect()
@@ -207,20 +262,49 @@ fn milliseconds(since: Instant) -> f64 {
 fn warn(common: &Common, mesh: &MeshReport) {
     if mesh.ambiguous_fraction > 0.001 {
         let share = percent(mesh.ambiguous_fraction);
-        note(common, &format!("{}: {share} of {} is ambiguous; wrong colours may show there", mesh.name, mesh.primary));
+        note(
+            common,
+            &format!(
+                "{}: {share} of {} is ambiguous; wrong colours may show there",
+                mesh.name, mesh.primary
+            ),
+        );
     }
     if mesh.unreached_texels > 0 {
         let count = thousands(mesh.unreached_texels);
-        note(common, &format!("{}: LoDs reach {count} texels that no gutter does; holes may show there", mesh.name));
+        note(
+            common,
+            &format!(
+                "{}: LoDs reach {count} texels that no gutter does; holes may show there",
+                mesh.name
+            ),
+        );
     }
     if let Some(k) = mesh.lods.iter().position(|lod| !lod.reached) {
-        note(common, &format!("{}: LoD {} could not come down to the triangles asked for", mesh.name, k + 1));
+        note(
+            common,
+            &format!(
+                "{}: LoD {} could not come down to the triangles asked for",
+                mesh.name,
+                k + 1
+            ),
+        );
     }
 }
 
 fn readable(report: &Report) -> String {
-    let mut tables =
-        Table::new(&["mesh", "triangles", "primary", "hash", "entries", "mean list", "longest", "ambiguous", "gutter", "KiB"]);
+    let mut tables = Table::new(&[
+        "mesh",
+        "triangles",
+        "primary",
+        "hash",
+        "entries",
+        "mean list",
+        "longest",
+        "ambiguous",
+        "gutter",
+        "KiB",
+    ]);
     for mesh in report.meshes {
         tables.row([
             mesh.name.clone(),
@@ -235,7 +319,13 @@ fn readable(report: &Report) -> String {
             thousands(mesh.bytes.total.div_ceil(1024)),
         ]);
     }
-    let mut lods = Table::new(&["mesh", "LoD", "triangles", "of the reference", "largest deviation"]);
+    let mut lods = Table::new(&[
+        "mesh",
+        "LoD",
+        "triangles",
+        "of the reference",
+        "largest deviation",
+    ]);
     for mesh in report.meshes {
         for (k, lod) in mesh.lods.iter().enumerate() {
             lods.row([
@@ -247,8 +337,16 @@ fn readable(report: &Report) -> String {
             ]);
         }
     }
-    let why: String = report.meshes.iter().map(|mesh| format!("{}: {}\n", mesh.name, mesh.why)).collect();
-    let times: Vec<String> = report.build_ms.iter().map(|(stage, ms)| format!("{stage} {ms:.0}")).collect();
+    let why: String = report
+        .meshes
+        .iter()
+        .map(|mesh| format!("{}: {}\n", mesh.name, mesh.why))
+        .collect();
+    let times: Vec<String> = report
+        .build_ms
+        .iter()
+        .map(|(stage, ms)| format!("{stage} {ms:.0}"))
+        .collect();
     format!(
         "{}\n{}\n{why}\n{} written ({} KiB), tables built on {}\nmilliseconds: {}\n",
         tables.text(),

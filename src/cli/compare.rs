@@ -186,7 +186,11 @@ impl Compare {
 /// A number that a measure can be compared with; NaN would let everything pass.
 fn limit(text: &str) -> std::result::Result<f64, String> {
     let number: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if number.is_nan() { Err("not a number".to_owned()) } else { Ok(number) }
+    if number.is_nan() {
+        Err("not a number".to_owned())
+    } else {
+        Ok(number)
+    }
 }
 
 fn psnr(value: Option<f64>) -> String {

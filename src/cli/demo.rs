@@ -49,7 +49,12 @@ pub(super) struct Demo {
     #[arg(long, value_name = "N", default_value_t = 640, value_parser = clap::value_parser!(u32).range(64..=4096))]
     size: u32,
     /// Direction to look from, in degrees: azimuth, elevation.
-    #[arg(long, value_name = "AZIMUTH,ELEVATION", default_value = "25,15", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "AZIMUTH,ELEVATION",
+        default_value = "25,15",
+        allow_hyphen_values = true
+    )]
     view: super::render::Angles,
 }
 
@@ -107,17 +112,29 @@ impl Demo {
         let (name, scene) = self.scene()?;
         let device = Device::open(common)?;
         let bar = Bar::new(common, 0);
-        let settings = BuildSettings { lods: LODS.to_vec(), ..BuildSettings::default() };
+        let settings = BuildSettings {
+            lods: LODS.to_vec(),
+            ..BuildSettings::default()
+        };
         let outcome = asset::build(scene, &settings, device.processor(), &build::Watching(&bar))?;
         let path = self.folder.join(format!("{name}.built.glb"));
         asset::write(&outcome.built, &path)?;
         // Drawn from the file, as anybody else would.
         let model = Model::load(&path)?;
-        let studio = Studio { demo: self, camera: self.camera(&model)?, model, device, bar };
+        let studio = Studio {
+            demo: self,
+            camera: self.camera(&model)?,
+            model,
+            device,
+            bar,
+        };
         let (findings, images) = studio.shoot(name, outcome, &path)?;
         drop(studio.bar);
         let report_path = self.folder.join("report.html");
-        write_bytes(&report_path, report::render(&demo_report::of(&findings)).as_bytes())?;
+        write_bytes(
+            &report_path,
+            report::render(&demo_report::of(&findings)).as_bytes(),
+        )?;
         studio.device.check();
         let result = Report {
             report: report_path.display().to_string(),
@@ -129,15 +146,28 @@ impl Demo {
         if common.json {
             return print::json(&result);
         }
-        note(common, &format!("{} pictures and {} in {:.1} s", result.images.len(), result.built, result.seconds));
+        note(
+            common,
+            &format!(
+                "{} pictures and {} in {:.1} s",
+                result.images.len(),
+                result.built,
+                result.seconds
+            ),
+        );
         print::text(&format!("{}\n", result.report))
     }
 
     fn scene(&self) -> Result<(String, Scene)> {
         match &self.model {
-            None => Ok(("amphora".to_owned(), Scene::from_bytes("amphora.glb", AMPHORA, None)?)),
+            None => Ok((
+                "amphora".to_owned(),
+                Scene::from_bytes("amphora.glb", AMPHORA, None)?,
+            )),
             Some(path) => {
-                let name = path.file_stem().map_or("model".into(), |stem| stem.to_string_lossy().into_owned());
+                let name = path
+                    .file_stem()
+                    .map_or("model".into(), |stem| stem.to_string_lossy().into_owned());
                 Ok((name, build::load_original(path)?))
             }
         }
@@ -146,7 +176,15 @@ impl Demo {
     fn camera(&self, model: &Model) -> Result<Camera> {
         let (centre, radius) = drawing::reference_sphere(model)?;
         let super::render::Angles(azimuth, elevation) = self.view;
-        Camera::framed(centre, radius, azimuth, elevation, Projection::Perspective, self.size, self.size)
+        Camera::framed(
+            centre,
+            radius,
+            azimuth,
+            elevation,
+            Projection::Perspective,
+            self.size,
+            self.size,
+        )
     }
 }
 
@@ -160,7 +198,12 @@ struct Studio<'a> {
 }
 
 impl Studio<'_> {
-    fn shoot(&self, name: String, outcome: BuildOutcome, path: &Path) -> Result<(Findings, Vec<ImageReport>)> {
+    fn shoot(
+        &self,
+        name: String,
+        outcome: BuildOutcome,
+        path: &Path,
+    ) -> Result<(Findings, Vec<ImageReport>)> {
         let mut images = Vec::new();
         let reference = self.picture(0, Mode::Reference, None, &mut images)?;
         let original = Picture::decode(&reference.0.png, "reference")?;
@@ -207,12 +250,29 @@ impl Studio<'_> {
             Mode::Normals => "normals",
         };
         let of = 1 + LODS.len() * 4;
-        self.bar.at(&format!("picture: LoD {lod}, {what}"), images.len() as u64, of as u64);
-        let wish = Wish { level: lod, mode, shading: Shading::Lit, path: DrawPath::Deferred };
+        self.bar.at(
+            &format!("picture: LoD {lod}, {what}"),
+            images.len() as u64,
+            of as u64,
+        );
+        let wish = Wish {
+            level: lod,
+            mode,
+            shading: Shading::Lit,
+            path: DrawPath::Deferred,
+        };
         let (renderer, _) = drawing::renderer(&self.model, wish, &self.device)?;
         let image = renderer.draw(&self.camera, &drawing::options(mode, Shading::Lit, 4))?;
-        let shown = shown(&renderer, &image, original.filter(|_| matches!(mode, Mode::Igt | Mode::Plain)))?;
-        let file = if lod == 0 { format!("{what}.png") } else { format!("lod{lod}-{what}.png") };
+        let shown = shown(
+            &renderer,
+            &image,
+            original.filter(|_| matches!(mode, Mode::Igt | Mode::Plain)),
+        )?;
+        let file = if lod == 0 {
+            format!("{what}.png")
+        } else {
+            format!("lod{lod}-{what}.png")
+        };
         let path = self.demo.folder.join(file);
         write_bytes(&path, &shown.png)?;
         images.push(ImageReport {
@@ -232,7 +292,13 @@ impl Studio<'_> {
         for k in 0..=FRAMES {
             let image = renderer.draw(&self.camera, &options)?;
             if k > 0 {
-                times.push(image.passes.iter().map(|(_, nanoseconds)| nanoseconds).sum());
+                times.push(
+                    image
+                        .passes
+                        .iter()
+                        .map(|(_, nanoseconds)| nanoseconds)
+                        .sum(),
+                );
             }
         }
         Ok(TimeStatistics::of(&times))
@@ -248,7 +314,12 @@ fn shown(renderer: &Renderer, image: &Rendered, original: Option<&Picture>) -> R
     let against_reference = match original {
         Some(original) => {
             let picture = Picture::decode(&png, "picture")?;
-            Some(compare(original, &picture, Region::Foreground, ["reference", "picture"])?)
+            Some(compare(
+                original,
+                &picture,
+                Region::Foreground,
+                ["reference", "picture"],
+            )?)
         }
         None => None,
     };

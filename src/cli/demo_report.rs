@@ -9,8 +9,12 @@ use super::print::{percent, thousands};
 pub(super) fn of(found: &Findings) -> Report {
     let reference = f64::from(found.reference.triangles);
     let share = |level: &Found| f64::from(level.inverse.triangles) / reference.max(1.0);
-    let names: Vec<String> =
-        found.levels.iter().enumerate().map(|(k, level)| format!("LoD {}: {}", k + 1, percent(share(level)))).collect();
+    let names: Vec<String> = found
+        .levels
+        .iter()
+        .enumerate()
+        .map(|(k, level)| format!("LoD {}: {}", k + 1, percent(share(level))))
+        .collect();
     Report {
         title: capitalised(&found.name),
         lead: "One reference mesh, and levels of detail that all show its appearance: a level has no texture coordinates \
@@ -33,20 +37,53 @@ pub(super) fn of(found: &Findings) -> Report {
 fn facts(found: &Findings) -> Vec<(String, String)> {
     let mut facts = Vec::new();
     let mut fact = |label: &str, value: String| facts.push((label.to_owned(), value));
-    fact("reference", format!("{} triangles", thousands(found.reference.triangles.into())));
-    let mut primaries: Vec<&str> = found.outcome.reports.iter().map(|mesh| mesh.primary.as_str()).collect();
+    fact(
+        "reference",
+        format!("{} triangles", thousands(found.reference.triangles.into())),
+    );
+    let mut primaries: Vec<&str> = found
+        .outcome
+        .reports
+        .iter()
+        .map(|mesh| mesh.primary.as_str())
+        .collect();
     primaries.sort_unstable();
     primaries.dedup();
     fact("primary", primaries.join(", "));
-    fact("tables", kibibytes(found.outcome.reports.iter().map(|mesh| mesh.bytes.total).sum()));
+    fact(
+        "tables",
+        kibibytes(
+            found
+                .outcome
+                .reports
+                .iter()
+                .map(|mesh| mesh.bytes.total)
+                .sum(),
+        ),
+    );
     fact("built file", kibibytes(found.file_bytes));
-    fact("build", format!("{:.1} s", found.outcome.milliseconds.iter().map(|(_, ms)| ms).sum::<f64>() / 1e3));
+    fact(
+        "build",
+        format!(
+            "{:.1} s",
+            found
+                .outcome
+                .milliseconds
+                .iter()
+                .map(|(_, ms)| ms)
+                .sum::<f64>()
+                / 1e3
+        ),
+    );
     fact("device", found.device.clone());
     facts
 }
 
 fn section(level: &Found, name: &str, share: f64) -> Level {
-    let shot = |caption: String, shown: &Shown| Shot { caption, png: shown.png.clone() };
+    let shot = |caption: String, shown: &Shown| Shot {
+        caption,
+        png: shown.png.clone(),
+    };
     let triangles = thousands(level.inverse.triangles.into());
     let mut numbers = vec![
         ("triangles".to_owned(), triangles.clone()),
@@ -54,14 +91,20 @@ fn section(level: &Found, name: &str, share: f64) -> Level {
         ("FLIP, inverse texture".to_owned(), flip(&level.inverse)),
         ("FLIP, plain".to_owned(), flip(&level.plain)),
         ("PSNR, inverse texture".to_owned(), psnr(&level.inverse)),
-        ("mean fetches".to_owned(), format!("{:.2}", level.inverse.mean_fetches)),
+        (
+            "mean fetches".to_owned(),
+            format!("{:.2}", level.inverse.mean_fetches),
+        ),
     ];
     if let Some(frame) = &level.frame {
         numbers.push(("frame, median".to_owned(), milliseconds(frame.median_ns)));
     }
     Level {
         name: name.to_owned(),
-        inverse: shot(format!("LoD + inverse texture, {triangles} triangles"), &level.inverse),
+        inverse: shot(
+            format!("LoD + inverse texture, {triangles} triangles"),
+            &level.inverse,
+        ),
         plain: shot(format!("Plain LoD, {triangles} triangles"), &level.plain),
         others: vec![
             shot("What is really drawn".to_owned(), &level.wireframe),
@@ -73,11 +116,20 @@ fn section(level: &Found, name: &str, share: f64) -> Level {
 
 fn charts(found: &Findings, names: &[String]) -> Vec<BarChart> {
     let flips = |shown: fn(&Found) -> &Shown| -> Vec<f64> {
-        let mean = |level| shown(level).against_reference.as_ref().map_or(f64::NAN, |c| c.flip_mean);
+        let mean = |level| {
+            shown(level)
+                .against_reference
+                .as_ref()
+                .map_or(f64::NAN, |c| c.flip_mean)
+        };
         found.levels.iter().map(mean).collect()
     };
-    let (stages, times): (Vec<String>, Vec<f64>) =
-        found.outcome.milliseconds.iter().map(|(stage, ms)| ((*stage).to_owned(), *ms)).unzip();
+    let (stages, times): (Vec<String>, Vec<f64>) = found
+        .outcome
+        .milliseconds
+        .iter()
+        .map(|(stage, ms)| ((*stage).to_owned(), *ms))
+        .unzip();
     let bytes = |of: fn(&invertex::asset::MeshReport) -> u64| -> f64 {
         found.outcome.reports.iter().map(of).sum::<u64>() as f64 / 1024.0
     };
@@ -86,8 +138,14 @@ fn charts(found: &Findings, names: &[String]) -> Vec<BarChart> {
             title: "Mean FLIP against the reference (lower is better)".to_owned(),
             categories: names.to_vec(),
             series: vec![
-                Series { name: "inverse texture".to_owned(), values: flips(|level| &level.inverse) },
-                Series { name: "plain LoD".to_owned(), values: flips(|level| &level.plain) },
+                Series {
+                    name: "inverse texture".to_owned(),
+                    values: flips(|level| &level.inverse),
+                },
+                Series {
+                    name: "plain LoD".to_owned(),
+                    values: flips(|level| &level.plain),
+                },
             ],
             digits: 3,
         },
@@ -106,7 +164,10 @@ fn charts(found: &Findings, names: &[String]) -> Vec<BarChart> {
         BarChart {
             title: "Build, milliseconds".to_owned(),
             categories: stages,
-            series: vec![Series { name: "ms".to_owned(), values: times }],
+            series: vec![Series {
+                name: "ms".to_owned(),
+                values: times,
+            }],
             digits: 0,
         },
         BarChart {
@@ -114,7 +175,11 @@ fn charts(found: &Findings, names: &[String]) -> Vec<BarChart> {
             categories: ["hash", "lists", "triangles"].map(str::to_owned).to_vec(),
             series: vec![Series {
                 name: "KiB".to_owned(),
-                values: vec![bytes(|m| m.bytes.hash), bytes(|m| m.bytes.list), bytes(|m| m.bytes.triangle)],
+                values: vec![
+                    bytes(|m| m.bytes.hash),
+                    bytes(|m| m.bytes.list),
+                    bytes(|m| m.bytes.triangle),
+                ],
             }],
             digits: 0,
         },
@@ -122,7 +187,17 @@ fn charts(found: &Findings, names: &[String]) -> Vec<BarChart> {
 }
 
 fn level_table(found: &Findings, names: &[String]) -> Table {
-    let columns = ["", "triangles", "FLIP inverse", "FLIP plain", "PSNR inverse", "PSNR plain", "fetches", "frame median", "p95"];
+    let columns = [
+        "",
+        "triangles",
+        "FLIP inverse",
+        "FLIP plain",
+        "PSNR inverse",
+        "PSNR plain",
+        "fetches",
+        "frame median",
+        "p95",
+    ];
     let dash = || "–".to_owned();
     let frame = |time: Option<u64>| time.map_or_else(dash, milliseconds);
     let reference_frame = found.reference_frame.as_ref();
@@ -150,11 +225,26 @@ fn level_table(found: &Findings, names: &[String]) -> Table {
             frame(level.frame.as_ref().map(|f| f.p95_ns)),
         ]);
     }
-    Table { title: "Levels of detail".to_owned(), columns: columns.map(str::to_owned).to_vec(), rows }
+    Table {
+        title: "Levels of detail".to_owned(),
+        columns: columns.map(str::to_owned).to_vec(),
+        rows,
+    }
 }
 
 fn mesh_table(found: &Findings) -> Table {
-    let columns = ["mesh", "triangles", "primary", "hash", "list entries", "mean list", "longest list", "ambiguous", "gutter", "bytes"];
+    let columns = [
+        "mesh",
+        "triangles",
+        "primary",
+        "hash",
+        "list entries",
+        "mean list",
+        "longest list",
+        "ambiguous",
+        "gutter",
+        "bytes",
+    ];
     let row = |mesh: &invertex::asset::MeshReport| {
         vec![
             mesh.name.clone(),
@@ -177,12 +267,19 @@ fn mesh_table(found: &Findings) -> Table {
 }
 
 fn flip(shown: &Shown) -> String {
-    shown.against_reference.as_ref().map_or("–".to_owned(), |c| format!("{:.4}", c.flip_mean))
+    shown
+        .against_reference
+        .as_ref()
+        .map_or("–".to_owned(), |c| format!("{:.4}", c.flip_mean))
 }
 
 fn psnr(shown: &Shown) -> String {
-    let Some(comparison) = &shown.against_reference else { return "–".to_owned() };
-    comparison.psnr_db.map_or("identical".to_owned(), |db| format!("{db:.1} dB"))
+    let Some(comparison) = &shown.against_reference else {
+        return "–".to_owned();
+    };
+    comparison
+        .psnr_db
+        .map_or("identical".to_owned(), |db| format!("{db:.1} dB"))
 }
 
 fn milliseconds(nanoseconds: u64) -> String {
@@ -195,5 +292,7 @@ fn kibibytes(bytes: u64) -> String {
 
 fn capitalised(name: &str) -> String {
     let mut letters = name.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().collect::<String>() + letters.as_str())
+    letters.next().map_or(String::new(), |first| {
+        first.to_uppercase().collect::<String>() + letters.as_str()
+    })
 }

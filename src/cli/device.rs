@@ -4,11 +4,11 @@
 //! when there is none; a device that was named must be there.
 
 #[cfg(feature = "gpu")]
-use invertex::gpu::{Context, ContextOptions, DeviceChoice};
-#[cfg(feature = "gpu")]
 use invertex::Error;
 use invertex::Result;
 use invertex::asset::Processor;
+#[cfg(feature = "gpu")]
+use invertex::gpu::{Context, ContextOptions, DeviceChoice};
 
 use super::Common;
 #[cfg(feature = "gpu")]
@@ -35,7 +35,10 @@ impl Device {
         }
         let Ok(choice) = common.device.parse::<DeviceChoice>();
         let automatic = choice == DeviceChoice::Auto;
-        match Context::new(&ContextOptions { device: choice, validation: validation() }) {
+        match Context::new(&ContextOptions {
+            device: choice,
+            validation: validation(),
+        }) {
             Ok(context) => {
                 tracing::info!("device: {}", context.info().name);
                 Ok(Device::Gpu(context))
@@ -54,7 +57,8 @@ impl Device {
         if ["cpu", "auto"].contains(&common.device.to_ascii_lowercase().as_str()) {
             return Ok(Device::Cpu);
         }
-        let reason = "this invertex was built without the feature \"gpu\"; use `--device cpu`".to_owned();
+        let reason =
+            "this invertex was built without the feature \"gpu\"; use `--device cpu`".to_owned();
         Err(invertex::Error::NoDevice { reason })
     }
 

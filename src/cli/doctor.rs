@@ -43,8 +43,16 @@ impl Doctor {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
         let (devices, advice) = examine();
         let usable = count_usable(&devices);
-        let features = Features { gpu: cfg!(feature = "gpu"), compile_shaders: cfg!(feature = "compile-shaders") };
-        let report = Report { version: env!("CARGO_PKG_VERSION"), features, devices, advice };
+        let features = Features {
+            gpu: cfg!(feature = "gpu"),
+            compile_shaders: cfg!(feature = "compile-shaders"),
+        };
+        let report = Report {
+            version: env!("CARGO_PKG_VERSION"),
+            features,
+            devices,
+            advice,
+        };
         if common.json {
             print::json(&report)?;
         } else {
@@ -78,7 +86,10 @@ fn examine() -> (Vec<Found>, Vec<String>) {
         Err(error) => return (Vec::new(), vec![error.to_string()]),
     };
     for device in found.iter_mut().filter(|device| device.usable) {
-        let options = ContextOptions { device: DeviceChoice::Index(device.index), validation: false };
+        let options = ContextOptions {
+            device: DeviceChoice::Index(device.index),
+            validation: false,
+        };
         if let Err(error) = Context::new(&options) {
             device.usable = false;
             device.missing.push(format!("it cannot be opened: {error}"));
@@ -103,7 +114,12 @@ fn examine() -> (Vec<Found>, Vec<String>) {
 
 #[cfg(not(feature = "gpu"))]
 fn examine() -> (Vec<Found>, Vec<String>) {
-    (Vec::new(), vec!["this invertex was built without the feature \"gpu\"; `--device cpu` works".to_owned()])
+    (
+        Vec::new(),
+        vec![
+            "this invertex was built without the feature \"gpu\"; `--device cpu` works".to_owned(),
+        ],
+    )
 }
 
 fn readable(report: &Report) -> String {
@@ -122,8 +138,18 @@ fn device_table(devices: &[Found]) -> String {
     }
     let mut table = Table::new(&["index", "device", "driver", "Vulkan", "usable"]);
     for device in devices {
-        let usable = if device.usable { "yes".to_owned() } else { format!("no: {}", device.missing.join(", ")) };
-        table.row([device.index.to_string(), device.name.clone(), device.driver.clone(), device.api.clone(), usable]);
+        let usable = if device.usable {
+            "yes".to_owned()
+        } else {
+            format!("no: {}", device.missing.join(", "))
+        };
+        table.row([
+            device.index.to_string(),
+            device.name.clone(),
+            device.driver.clone(),
+            device.api.clone(),
+            usable,
+        ]);
     }
     table.text()
 }

@@ -85,17 +85,29 @@ pub(super) fn options(mode: Mode, shading: Shading, samples: u32) -> Options {
         (_, Shading::Lit) => Output::Lit,
         (_, Shading::Unlit) => Output::Unlit,
     };
-    Options { output, wireframe: mode == Mode::Wireframe, samples, ..Options::default() }
+    Options {
+        output,
+        wireframe: mode == Mode::Wireframe,
+        samples,
+        ..Options::default()
+    }
 }
 
 /// Stages `model` as `wish` says and makes it ready on `device`; also what was replaced on the way.
-pub(super) fn renderer(model: &Model, wish: Wish, device: &Device) -> Result<(Renderer, Vec<String>)> {
+pub(super) fn renderer(
+    model: &Model,
+    wish: Wish,
+    device: &Device,
+) -> Result<(Renderer, Vec<String>)> {
     let lit = wish.shading == Shading::Lit || wish.mode == Mode::Normals;
     let (picture, warnings) = match model {
         Model::Plain(scene) => stage(scene, &[], Correspond::Reference, lit)?,
-        Model::Built(built) => {
-            stage(&built.scene, &subjects(built, wish.level), wish.mode.correspond(true), lit)?
-        }
+        Model::Built(built) => stage(
+            &built.scene,
+            &subjects(built, wish.level),
+            wish.mode.correspond(true),
+            lit,
+        )?,
     };
     let renderer = match (device, wish.path) {
         (Device::Cpu, DrawPath::Deferred) => Renderer::cpu(picture),
@@ -116,7 +128,9 @@ pub(super) fn reference_sphere(model: &Model) -> Result<([f64; 3], f64)> {
     // Textures have no extent; without them nothing needs to be decoded.
     let mut bare = model.scene().clone();
     bare.materials = vec![Material::default(); bare.materials.len()];
-    Ok(stage(&bare, &[], Correspond::Reference, false)?.0.bounding_sphere())
+    Ok(stage(&bare, &[], Correspond::Reference, false)?
+        .0
+        .bounding_sphere())
 }
 
 /// What each mesh is drawn with at `level`.
@@ -158,11 +172,26 @@ pub(super) fn encode(image: &Rendered, format: Format, aov: bool) -> Result<Vec<
         return encode_png(image.width, image.height, &image.rgba8);
     }
     let nothing = |k: usize| image.triangle[k] == u32::MAX;
-    let full = |(k, b): (usize, &[f32; 2])| if nothing(k) { [0.0; 3] } else { [1.0 - b[0] - b[1], b[0], b[1]] };
+    let full = |(k, b): (usize, &[f32; 2])| {
+        if nothing(k) {
+            [0.0; 3]
+        } else {
+            [1.0 - b[0] - b[1], b[0], b[1]]
+        }
+    };
     let barycentric: Vec<[f32; 3]> = image.barycentric.iter().enumerate().map(full).collect();
-    let layers =
-        Aov { triangle: &image.triangle, barycentric: &barycentric, fetches: &image.fetches, depth: &image.depth };
-    encode_exr(image.width, image.height, &image.linear, aov.then_some(layers))
+    let layers = Aov {
+        triangle: &image.triangle,
+        barycentric: &barycentric,
+        fetches: &image.fetches,
+        depth: &image.depth,
+    };
+    encode_exr(
+        image.width,
+        image.height,
+        &image.linear,
+        aov.then_some(layers),
+    )
 }
 
 /// A colour to lay pictures over.
@@ -175,8 +204,12 @@ impl std::str::FromStr for Background {
     /// `#rrggbb`.
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let digits = text.strip_prefix('#').unwrap_or(text);
-        let number = u32::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 6 && digits.is_ascii());
-        let [_, r, g, b] = number.ok_or_else(|| format!("\"{text}\" is not a colour #rrggbb"))?.to_be_bytes();
+        let number = u32::from_str_radix(digits, 16)
+            .ok()
+            .filter(|_| digits.len() == 6 && digits.is_ascii());
+        let [_, r, g, b] = number
+            .ok_or_else(|| format!("\"{text}\" is not a colour #rrggbb"))?
+            .to_be_bytes();
         Ok(Background([r, g, b]))
     }
 }
@@ -205,7 +238,11 @@ impl Background {
 
 /// sRGB to linear (IEC 61966-2-1).
 fn linear(x: f32) -> f32 {
-    if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+    if x <= 0.040_45 {
+        x / 12.92
+    } else {
+        ((x + 0.055) / 1.055).powf(2.4)
+    }
 }
 
 /// A model with everything but the mesh called `name` left out.
@@ -217,12 +254,29 @@ pub(super) fn only(model: &mut Model, name: &str) -> Result<()> {
         Model::Plain(scene) => scene.as_mut(),
         Model::Built(built) => &mut built.scene,
     };
-    let keep = super::mesh_named(&scene.name, scene.meshes.iter().map(|m| m.name.as_str()), name)?;
-    if !scene.instances().iter().any(|instance| instance.mesh == keep) {
+    let keep = super::mesh_named(
+        &scene.name,
+        scene.meshes.iter().map(|m| m.name.as_str()),
+        name,
+    )?;
+    if !scene
+        .instances()
+        .iter()
+        .any(|instance| instance.mesh == keep)
+    {
         let reason = "stands nowhere in the file's default scene, or has no triangles".to_owned();
-        return Err(Error::input(&scene.name, format!("mesh \"{name}\""), reason));
+        return Err(Error::input(
+            &scene.name,
+            format!("mesh \"{name}\""),
+            reason,
+        ));
     }
-    for (k, mesh) in scene.meshes.iter_mut().enumerate().filter(|(k, _)| *k != keep) {
+    for (k, mesh) in scene
+        .meshes
+        .iter_mut()
+        .enumerate()
+        .filter(|(k, _)| *k != keep)
+    {
         tracing::trace!("mesh {k} is left out");
         mesh.triangles.clear();
         mesh.triangle_material.clear();

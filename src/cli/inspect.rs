@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use invertex::Result;
+use invertex::asset::Model;
 use invertex::mesh::Mesh;
 use invertex::param::{Fit, PrimaryKind, PrimaryRequest, choose, fits};
-use invertex::scene::Scene;
 use serde::Serialize;
 
-use super::progress::Bar;
 use super::print::{self, Table, percent, thousands};
+use super::progress::Bar;
 use super::{Common, note};
 
 /// Say what is in a model, and which primary parameterizations fit each mesh.
@@ -21,7 +21,8 @@ use super::{Common, note};
 JSON: file, materials, textures, images, skins, animations, instances, warnings[], meshes[]: name, triangles, vertices,
 materials, has_normals.., uv_sets[]: set, charts, overlap_fraction, inside_unit_square, mirrored_fraction;
 primary[]: kind, bijective, turned_fraction, overlap_fraction, degenerate_fraction, centre, worst_triangles[];
-automatic: kind, why (what `build --primary auto` would take; null where nothing fits).
+automatic: kind, why (what `build --primary auto` would take; null where nothing fits). built[]: for a file that `build`
+made, what it reported of each mesh; else null.
 
 Examples:
   invertex inspect model.glb
@@ -46,6 +47,7 @@ struct Report {
     instances: usize,
     warnings: Vec<String>,
     meshes: Vec<MeshReport>,
+    built: Option<Vec<serde_json::Value>>,
 }
 
 #[derive(Serialize)]
@@ -94,9 +96,18 @@ struct Automatic {
 
 impl Inspect {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
-        let scene = Scene::load(&self.input)?;
+        let model = Model::load(&self.input)?;
+        let built = match &model {
+            Model::Plain(_) => None,
+            Model::Built(built) => Some(built.meshes.iter().map(|mesh| mesh.report.clone()).collect()),
+        };
+        let scene = model.scene();
         if let Some(name) = &self.mesh {
-            super::mesh_named(&scene.name, scene.meshes.iter().map(|m| m.name.as_str()), name)?;
+            super::mesh_named(
+                &scene.name,
+                scene.meshes.iter().map(|m| m.name.as_str()),
+                name,
+            )?;
         }
         let bar = Bar::new(common, scene.meshes.len() as u64);
         let mut meshes = Vec::new();
@@ -116,19 +127,30 @@ impl Inspect {
             instances: scene.instances().len(),
             warnings: scene.warnings.clone(),
             meshes,
-            file: scene.name,
+            file: scene.name.clone(),
+            built,
         };
         if common.json {
             return print::json(&report);
         }
-        report.warnings.iter().for_each(|warning| note(common, warning));
+        report
+            .warnings
+            .iter()
+            .for_each(|warning| note(common, warning));
         print::text(&readable(&report, self.mesh.is_some()))
     }
 }
 
 fn mesh_report(mesh: &Mesh) -> MeshReport {
-    let fits = if mesh.triangles.is_empty() { Vec::new() } else { fits(mesh) };
-    let set_fit = |set: usize| fits.iter().find(|fit| fit.kind == PrimaryKind::UvSet(set as u8));
+    let fits = if mesh.triangles.is_empty() {
+        Vec::new()
+    } else {
+        fits(mesh)
+    };
+    let set_fit = |set: usize| {
+        fits.iter()
+            .find(|fit| fit.kind == PrimaryKind::UvSet(set as u8))
+    };
     let mut materials = mesh.triangle_material.clone();
     materials.sort_unstable();
     materials.dedup();
@@ -140,10 +162,15 @@ fn mesh_report(mesh: &Mesh) -> MeshReport {
         vertex_colours: !mesh.colors.is_empty(),
         tangents: !mesh.tangents.is_empty(),
         skinned: !mesh.joints.is_empty(),
-        uv_sets: (0..mesh.uv_sets.len()).map(|set| uv_set_report(mesh, set, set_fit(set))).collect(),
+        uv_sets: (0..mesh.uv_sets.len())
+            .map(|set| uv_set_report(mesh, set, set_fit(set)))
+            .collect(),
         automatic: choose(mesh, &PrimaryRequest::Auto)
             .ok()
-            .map(|(primary, why)| Automatic { kind: primary.kind.to_string(), why }),
+            .map(|(primary, why)| Automatic {
+                kind: primary.kind.to_string(),
+                why,
+            }),
         primary: fits.iter().map(primary_report).collect(),
     }
 }
@@ -194,6 +221,9 @@ fn readable(report: &Report, detail: bool) -> String {
         report.skins,
         report.animations.len()
     );
+    if let Some(built) = &report.built {
+        text += &format!("{} of its meshes have inverse textures\n", built.len());
+    }
     for mesh in &report.meshes {
         text += &format!(
             "\n{}: {} triangles, {} vertices\n",
@@ -202,8 +232,16 @@ fn readable(report: &Report, detail: bool) -> String {
             thousands(mesh.vertices as u64)
         );
         for set in &mesh.uv_sets {
-            let charts = set.charts.map_or("most of the surface has no area".to_owned(), |n| format!("{n} charts"));
-            let inside = if set.inside_unit_square { "inside" } else { "reaching outside" };
+            let charts = set
+                .charts
+                .map_or("most of the surface has no area".to_owned(), |n| {
+                    format!("{n} charts")
+                });
+            let inside = if set.inside_unit_square {
+                "inside"
+            } else {
+                "reaching outside"
+            };
             text += &format!("  uv{}: {charts}, {inside} the unit square\n", set.set);
         }
         text += &primary_table(mesh, detail);
@@ -219,7 +257,13 @@ fn primary_table(mesh: &MeshReport, detail: bool) -> String {
     if mesh.primary.is_empty() {
         return String::new();
     }
-    let mut headings = vec!["  primary", "one-to-one", "turned", "covered twice", "no image"];
+    let mut headings = vec![
+        "  primary",
+        "one-to-one",
+        "turned",
+        "covered twice",
+        "no image",
+    ];
     if detail {
         headings.push("worst triangles");
     }
@@ -233,7 +277,15 @@ fn primary_table(mesh: &MeshReport, detail: bool) -> String {
             percent(primary.degenerate_fraction),
         ];
         if detail {
-            row.push(primary.worst_triangles.iter().take(6).map(u32::to_string).collect::<Vec<_>>().join(" "));
+            row.push(
+                primary
+                    .worst_triangles
+                    .iter()
+                    .take(6)
+                    .map(u32::to_string)
+                    .collect::<Vec<_>>()
+                    .join(" "),
+            );
         }
         table.row(row);
     }

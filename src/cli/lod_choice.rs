@@ -44,12 +44,20 @@ impl LodChoice {
     ///
     /// # Errors
     /// [`invertex::Error::Option`] for a level that the model does not have.
-    pub(super) fn level(&self, built: &Built, camera: &Camera, sphere: ([f64; 3], f64)) -> Result<usize> {
+    pub(super) fn level(
+        &self,
+        built: &Built,
+        camera: &Camera,
+        sphere: ([f64; 3], f64),
+    ) -> Result<usize> {
         let levels = levels(built);
         match *self {
             LodChoice::Level(level) if level < levels => Ok(level),
             LodChoice::Level(level) => {
-                let reason = format!("the model has levels 0 (the reference) to {}, not {level}", levels - 1);
+                let reason = format!(
+                    "the model has levels 0 (the reference) to {}, not {level}",
+                    levels - 1
+                );
                 Err(bad_option("--lod", reason))
             }
             LodChoice::Triangles(most) => {
@@ -67,7 +75,12 @@ impl LodChoice {
 
 /// Levels of the model, the reference included. A mesh with fewer shows its coarsest.
 pub(super) fn levels(built: &Built) -> usize {
-    1 + built.meshes.iter().map(|mesh| mesh.lods.len()).max().unwrap_or(0)
+    1 + built
+        .meshes
+        .iter()
+        .map(|mesh| mesh.lods.len())
+        .max()
+        .unwrap_or(0)
 }
 
 /// The place in a mesh's chain that stands for `level`; `None` for the reference.
@@ -79,10 +92,12 @@ pub(super) fn in_chain(chain: usize, level: usize) -> Option<usize> {
 fn triangles(built: &Built, level: usize) -> usize {
     let of_mesh = |mesh: usize| {
         let reference = built.scene.meshes[mesh].triangles.len();
-        built.of_mesh(mesh).map_or(reference, |b| match in_chain(b.lods.len(), level) {
-            Some(k) => b.lods[k].triangles.len(),
-            None => reference,
-        })
+        built
+            .of_mesh(mesh)
+            .map_or(reference, |b| match in_chain(b.lods.len(), level) {
+                Some(k) => b.lods[k].triangles.len(),
+                None => reference,
+            })
     };
     (0..built.scene.meshes.len()).map(of_mesh).sum()
 }
@@ -93,20 +108,42 @@ fn deviation(built: &Built, level: usize) -> f64 {
         let mesh = built.of_mesh(instance.mesh)?;
         let k = in_chain(mesh.lods.len(), level)?;
         let world = glam::DMat3::from_mat4(instance.world);
-        let stretch = [world.x_axis, world.y_axis, world.z_axis].map(|c| c.length_squared()).iter().sum::<f64>().sqrt();
+        let stretch = [world.x_axis, world.y_axis, world.z_axis]
+            .map(|c| c.length_squared())
+            .iter()
+            .sum::<f64>()
+            .sqrt();
         // Frobenius' norm is never less than the largest stretch; a skinned mesh is taken as it is.
-        let stretch = if instance.skin.is_some() { 1.0 } else { stretch };
+        let stretch = if instance.skin.is_some() {
+            1.0
+        } else {
+            stretch
+        };
         Some(f64::from(mesh.deviation_max(k)) * stretch)
     };
-    built.scene.instances().into_iter().filter_map(of_instance).fold(0.0, f64::max)
+    built
+        .scene
+        .instances()
+        .into_iter()
+        .filter_map(of_instance)
+        .fold(0.0, f64::max)
 }
 
 /// Pixels that a unit length across the view can span at the point of the sphere nearest to the eye.
 fn pixels_per_unit(camera: &Camera, (centre, radius): ([f64; 3], f64)) -> f64 {
     let p = &camera.projection;
-    let half = [f64::from(camera.width) / 2.0, f64::from(camera.height) / 2.0];
-    let across = (p.x_axis.x * half[0]).abs().max((p.y_axis.y * half[1]).abs());
-    let depth = -camera.view.transform_point3(glam::DVec3::from_array(centre)).z - radius;
+    let half = [
+        f64::from(camera.width) / 2.0,
+        f64::from(camera.height) / 2.0,
+    ];
+    let across = (p.x_axis.x * half[0])
+        .abs()
+        .max((p.y_axis.y * half[1]).abs());
+    let depth = -camera
+        .view
+        .transform_point3(glam::DVec3::from_array(centre))
+        .z
+        - radius;
     // w of a point at this depth: the depth itself in perspective, a constant otherwise.
     let w = (p.z_axis.w * -depth + p.w_axis.w).abs();
     let perspective = p.z_axis.w != 0.0;
@@ -126,27 +163,52 @@ mod tests {
         assert_eq!("3".parse(), Ok(LodChoice::Level(3)));
         assert_eq!("triangles:500".parse(), Ok(LodChoice::Triangles(500)));
         assert_eq!("pixels:0.5".parse(), Ok(LodChoice::Pixels(0.5)));
-        for bad in ["", "-1", "x", "pixels:", "pixels:nan", "pixels:-1", "triangles:1.5", "metres:1"] {
+        for bad in [
+            "",
+            "-1",
+            "x",
+            "pixels:",
+            "pixels:nan",
+            "pixels:-1",
+            "triangles:1.5",
+            "metres:1",
+        ] {
             assert!(bad.parse::<LodChoice>().is_err(), "{bad}");
         }
     }
 
     #[test]
     fn a_unit_sphere_that_fills_the_frame_spans_it() {
-        let camera = Camera::framed([0.0; 3], 1.0, 10.0, 20.0, Projection::Orthographic, 200, 200).unwrap();
+        let camera = Camera::framed(
+            [0.0; 3],
+            1.0,
+            10.0,
+            20.0,
+            Projection::Orthographic,
+            200,
+            200,
+        )
+        .unwrap();
         let scale = pixels_per_unit(&camera, ([0.0; 3], 1.0));
         assert!((scale - 100.0 / 1.02).abs() < 1e-6, "{scale}");
         // In perspective the nearest point of the sphere is larger than its middle.
-        let camera = Camera::framed([0.0; 3], 1.0, 10.0, 20.0, Projection::Perspective, 200, 200).unwrap();
+        let camera =
+            Camera::framed([0.0; 3], 1.0, 10.0, 20.0, Projection::Perspective, 200, 200).unwrap();
         let near = pixels_per_unit(&camera, ([0.0; 3], 1.0));
         let middle = pixels_per_unit(&camera, ([0.0; 3], 0.0));
-        assert!(near > middle && middle > 90.0 && middle < 110.0, "{near} {middle}");
+        assert!(
+            near > middle && middle > 90.0 && middle < 110.0,
+            "{near} {middle}"
+        );
         assert_eq!(pixels_per_unit(&camera, ([0.0; 3], 1e6)), f64::INFINITY);
     }
 
     #[test]
     fn chains_end_with_their_coarsest() {
-        assert_eq!([0, 1, 2, 9].map(|level| in_chain(2, level)), [None, Some(0), Some(1), Some(1)]);
+        assert_eq!(
+            [0, 1, 2, 9].map(|level| in_chain(2, level)),
+            [None, Some(0), Some(1), Some(1)]
+        );
         assert_eq!(in_chain(0, 3), None);
     }
 }

@@ -101,7 +101,7 @@ pub(crate) fn main() -> ExitCode {
         Err(usage) => return usage_exit(&usage),
     };
     start_log(&command.common);
-    std::panic::set_hook(Box::new(|panic| tracing::debug!("{panic}")));
+    std::panic::set_hook(Box::new(|panic| tracing::info!("{panic}")));
     match catch_unwind(AssertUnwindSafe(|| run(&command))) {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(error)) => {
@@ -187,8 +187,11 @@ fn bad_option(option: &'static str, reason: impl Into<String>) -> Error {
 /// [`Error::Input`] listing the names there are.
 fn mesh_named<'a>(file: &str, names: impl Iterator<Item = &'a str>, name: &str) -> Result<usize> {
     let names: Vec<&str> = names.collect();
-    names.iter().position(|&other| other == name).ok_or_else(|| {
-        let reason = format!("there is no such mesh; there are: {}", names.join(", "));
-        Error::input(file, format!("mesh \"{name}\""), reason)
-    })
+    names
+        .iter()
+        .position(|&other| other == name)
+        .ok_or_else(|| {
+            let reason = format!("there is no such mesh; there are: {}", names.join(", "));
+            Error::input(file, format!("mesh \"{name}\""), reason)
+        })
 }

@@ -74,7 +74,11 @@ impl Query {
         let model = Model::load(&self.built)?;
         let file = self.built.display().to_string();
         let Model::Built(built) = &model else {
-            return Err(Error::input(file, "extensions", "this model has no inverse textures; run `invertex build` first"));
+            return Err(Error::input(
+                file,
+                "extensions",
+                "this model has no inverse textures; run `invertex build` first",
+            ));
         };
         let name_of = |mesh: &BuiltMesh| built.scene.meshes[mesh.mesh].name.as_str();
         let names = || built.meshes.iter().map(name_of);
@@ -92,7 +96,12 @@ impl Query {
         let answers = self.answers(mesh, &queries, &device)?;
         device.check();
         if common.json {
-            return print::json(&report(name_of(mesh), &mesh.tables.primary, &device, answers));
+            return print::json(&report(
+                name_of(mesh),
+                &mesh.tables.primary,
+                &device,
+                answers,
+            ));
         }
         print::text(&self.csv(&answers))
     }
@@ -105,16 +114,26 @@ impl Query {
             (self.points.display().to_string(), read_file(&self.points)?)
         };
         let points = points::parse(&name, &bytes, primary)?;
-        Ok(points.into_par_iter().map(|t3| primary.to_query(t3)).collect())
+        Ok(points
+            .into_par_iter()
+            .map(|t3| primary.to_query(t3))
+            .collect())
     }
 
-    fn answers(&self, mesh: &BuiltMesh, queries: &[[i32; 3]], device: &Device) -> Result<Vec<Answer>> {
+    fn answers(
+        &self,
+        mesh: &BuiltMesh,
+        queries: &[[i32; 3]],
+        device: &Device,
+    ) -> Result<Vec<Answer>> {
         let tables = &mesh.tables;
         #[cfg(feature = "gpu")]
         if let Some(context) = device.context() {
             let found = igt::gpu::query(context, tables, queries, self.layer, self.nearest)?;
             let pairs = found.into_iter().zip(queries);
-            return Ok(pairs.map(|(found, &query)| answer(found, || tables.fetches_of_miss(query))).collect());
+            return Ok(pairs
+                .map(|(found, &query)| answer(found, || tables.fetches_of_miss(query)))
+                .collect());
         }
         let _ = device;
         let one = |&query: &[i32; 3]| {
@@ -140,13 +159,26 @@ impl Query {
 }
 
 fn bad_mesh(names: &[&str]) -> Error {
-    super::bad_option("--mesh", format!("is needed, there are several: {}", names.join(", ")))
+    super::bad_option(
+        "--mesh",
+        format!("is needed, there are several: {}", names.join(", ")),
+    )
 }
 
 fn answer(found: Option<Found>, fetches_of_miss: impl FnOnce() -> u32) -> Answer {
     match found {
-        Some(f) => Answer { triangle: f.triangle.into(), barycentric: f.barycentric, fetches: f.fetches, hit: f.hit },
-        None => Answer { triangle: -1, barycentric: [0.0; 3], fetches: fetches_of_miss(), hit: false },
+        Some(f) => Answer {
+            triangle: f.triangle.into(),
+            barycentric: f.barycentric,
+            fetches: f.fetches,
+            hit: f.hit,
+        },
+        None => Answer {
+            triangle: -1,
+            barycentric: [0.0; 3],
+            fetches: fetches_of_miss(),
+            hit: false,
+        },
     }
 }
 
@@ -157,7 +189,8 @@ fn report(mesh: &str, primary: &Primary, device: &Device, results: Vec<Answer>) 
         device: device.name(),
         points: results.len(),
         mapped: results.iter().filter(|a| a.triangle >= 0).count(),
-        mean_fetches: results.iter().map(|a| f64::from(a.fetches)).sum::<f64>() / results.len().max(1) as f64,
+        mean_fetches: results.iter().map(|a| f64::from(a.fetches)).sum::<f64>()
+            / results.len().max(1) as f64,
         max_fetches: results.iter().map(|a| a.fetches).max().unwrap_or(0),
         results,
     }

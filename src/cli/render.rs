@@ -64,7 +64,12 @@ pub(super) struct Render {
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
     /// Direction to look from, in degrees: azimuth about +Y (0 is +Z, 90 is +X), elevation above the horizon.
-    #[arg(long, value_name = "AZIMUTH,ELEVATION", default_value = "30,20", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "AZIMUTH,ELEVATION",
+        default_value = "30,20",
+        allow_hyphen_values = true
+    )]
     view: Angles,
     /// Many views from a file.
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["view", "ortho"])]
@@ -110,7 +115,9 @@ impl std::str::FromStr for Angles {
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let angle = |text: &str| text.trim().parse::<f64>().ok().filter(|a| a.is_finite());
-        let both = text.split_once(',').and_then(|(a, e)| Some(Angles(angle(a)?, angle(e)?)));
+        let both = text
+            .split_once(',')
+            .and_then(|(a, e)| Some(Angles(angle(a)?, angle(e)?)));
         both.ok_or_else(|| format!("\"{text}\" is not two angles such as 30,20"))
     }
 }
@@ -151,14 +158,27 @@ impl Render {
         }
         if let (Model::Plain(_), true) = (&model, self.mode.needs_tables()) {
             let reason = "this model has no inverse textures; run `invertex build` first, or use --mode reference";
-            return Err(Error::input(self.file.display().to_string(), "extensions", reason));
+            return Err(Error::input(
+                self.file.display().to_string(),
+                "extensions",
+                reason,
+            ));
         }
         let device = Device::open(common)?;
-        let mut stages = Stages { render: self, model: &model, device: &device, ready: BTreeMap::new(), warnings: vec![] };
+        let mut stages = Stages {
+            render: self,
+            model: &model,
+            device: &device,
+            ready: BTreeMap::new(),
+            warnings: vec![],
+        };
         let sphere = drawing::reference_sphere(&model)?;
         let views = match views {
             Some(views) => views,
-            None => vec![View { name: String::new(), camera: self.framed(sphere)? }],
+            None => vec![View {
+                name: String::new(),
+                camera: self.framed(sphere)?,
+            }],
         };
         let bar = Bar::new(common, views.len() as u64);
         let mut images = Vec::new();
@@ -170,24 +190,48 @@ impl Render {
         device.check();
         let warnings = stages.warnings;
         warnings.iter().for_each(|warning| note(common, warning));
-        let report = Report { file: self.file.display().to_string(), device: device.name(), images, warnings };
-        if common.json { print::json(&report) } else { print::text(&table(&report).text()) }
+        let report = Report {
+            file: self.file.display().to_string(),
+            device: device.name(),
+            images,
+            warnings,
+        };
+        if common.json {
+            print::json(&report)
+        } else {
+            print::text(&table(&report).text())
+        }
     }
 
     /// Everything that can be said before the model is read; the views of a camera file.
     fn check(&self) -> Result<Option<Vec<View>>> {
         if self.mode == Mode::Reference && !matches!(self.lod, None | Some(LodChoice::Level(0))) {
-            return Err(bad_option("--lod", "the mode reference draws the original; use --mode igt or plain for a LoD"));
+            return Err(bad_option(
+                "--lod",
+                "the mode reference draws the original; use --mode igt or plain for a LoD",
+            ));
         }
         if self.samples != 1 && self.samples != 4 {
-            return Err(bad_option("--samples", format!("{} is not 1 or 4", self.samples)));
+            return Err(bad_option(
+                "--samples",
+                format!("{} is not 1 or 4", self.samples),
+            ));
         }
         let Some(camera) = &self.camera else {
             let format = Format::of(&self.output).ok_or_else(|| {
-                bad_option("-o", format!("{}: the file's name must end in .png or .exr", self.output.display()))
+                bad_option(
+                    "-o",
+                    format!(
+                        "{}: the file's name must end in .png or .exr",
+                        self.output.display()
+                    ),
+                )
             })?;
             if self.aov && format != Format::Exr {
-                return Err(bad_option("--aov", "needs an .exr: layers have no place in a PNG"));
+                return Err(bad_option(
+                    "--aov",
+                    "needs an .exr: layers have no place in a PNG",
+                ));
             }
             check_target(&self.output)?;
             return Ok(None);
@@ -205,11 +249,28 @@ impl Render {
 
     fn framed(&self, (centre, radius): ([f64; 3], f64)) -> Result<Camera> {
         let Size(width, height) = self.size.unwrap_or(Size(1024, 1024));
-        let projection = if self.ortho { Projection::Orthographic } else { Projection::Perspective };
-        Camera::framed(centre, radius, self.view.0, self.view.1, projection, width, height)
+        let projection = if self.ortho {
+            Projection::Orthographic
+        } else {
+            Projection::Perspective
+        };
+        Camera::framed(
+            centre,
+            radius,
+            self.view.0,
+            self.view.1,
+            projection,
+            width,
+            height,
+        )
     }
 
-    fn draw(&self, stages: &mut Stages, view: &View, sphere: ([f64; 3], f64)) -> Result<ImageReport> {
+    fn draw(
+        &self,
+        stages: &mut Stages,
+        view: &View,
+        sphere: ([f64; 3], f64),
+    ) -> Result<ImageReport> {
         let lod = self.level(stages.model, &view.camera, sphere)?;
         let options = drawing::options(self.mode, self.shading, self.samples);
         let renderer = stages.at(lod)?;
@@ -218,7 +279,11 @@ impl Render {
         if let Some(background) = self.background {
             background.under(&mut image);
         }
-        let path = if self.camera.is_some() { self.output.join(&view.name) } else { self.output.clone() };
+        let path = if self.camera.is_some() {
+            self.output.join(&view.name)
+        } else {
+            self.output.clone()
+        };
         let format = Format::of(&path).unwrap_or(Format::Png);
         let bytes = drawing::encode(&image, format, self.aov)?;
         write_bytes(&path, &bytes)?;
@@ -231,7 +296,10 @@ impl Render {
             triangles,
             covered_pixels: image.covered_pixels,
             mean_fetches: image.mean_fetches,
-            sha256: Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: Sha256::digest(&bytes)
+                .iter()
+                .map(|byte| format!("{byte:02x}"))
+                .collect(),
             passes: image.passes.into_iter().map(pass).collect(),
         })
     }
@@ -239,9 +307,14 @@ impl Render {
     fn level(&self, model: &Model, camera: &Camera, sphere: ([f64; 3], f64)) -> Result<usize> {
         match (model, self.mode, self.lod) {
             (_, Mode::Reference, _) => Ok(0),
-            (Model::Built(built), _, choice) => choice.unwrap_or(LodChoice::Level(1)).level(built, camera, sphere),
+            (Model::Built(built), _, choice) => choice
+                .unwrap_or(LodChoice::Level(1))
+                .level(built, camera, sphere),
             (Model::Plain(_), _, None | Some(LodChoice::Level(0))) => Ok(0),
-            (Model::Plain(_), ..) => Err(bad_option("--lod", "this model has no LoDs; run `invertex build` first")),
+            (Model::Plain(_), ..) => Err(bad_option(
+                "--lod",
+                "this model has no LoDs; run `invertex build` first",
+            )),
         }
     }
 }
@@ -258,8 +331,22 @@ struct Stages<'a> {
 impl Stages<'_> {
     fn at(&mut self, level: usize) -> Result<&Renderer> {
         if !self.ready.contains_key(&level) {
-            let Render { mode, shading, path, .. } = *self.render;
-            let (renderer, warnings) = drawing::renderer(self.model, Wish { level, mode, shading, path }, self.device)?;
+            let Render {
+                mode,
+                shading,
+                path,
+                ..
+            } = *self.render;
+            let (renderer, warnings) = drawing::renderer(
+                self.model,
+                Wish {
+                    level,
+                    mode,
+                    shading,
+                    path,
+                },
+                self.device,
+            )?;
             if self.ready.is_empty() {
                 self.warnings = warnings;
             }
@@ -270,7 +357,15 @@ impl Stages<'_> {
 }
 
 fn table(report: &Report) -> Table {
-    let mut table = Table::new(&["image", "size", "LoD", "triangles", "covered pixels", "fetches", "sha256"]);
+    let mut table = Table::new(&[
+        "image",
+        "size",
+        "LoD",
+        "triangles",
+        "covered pixels",
+        "fetches",
+        "sha256",
+    ]);
     for image in &report.images {
         table.row([
             image.path.clone(),

@@ -33,26 +33,54 @@ pub fn deviation(reference: Surface<'_>, lod: Surface<'_>) -> Deviation {
         let (max, sum) = points
             .into_par_iter()
             .map(|point| tree.squared_distance(point))
-            .fold(|| (0.0f32, 0.0f64), |(max, sum), d| (max.max(d), sum + f64::from(d)))
+            .fold(
+                || (0.0f32, 0.0f64),
+                |(max, sum), d| (max.max(d), sum + f64::from(d)),
+            )
             .reduce(|| (0.0, 0.0), |a, b| (a.0.max(b.0), a.1 + b.1));
         (max, sum, count)
     };
     let there = squared(&to_lod, reference_samples(reference));
     let back = squared(&to_reference, lod_samples(lod));
     let mean = (there.1 + back.1) / (there.2 + back.2).max(1) as f64;
-    Deviation { max: there.0.max(back.0).sqrt(), rms: mean.sqrt() as f32 }
+    Deviation {
+        max: there.0.max(back.0).sqrt(),
+        rms: mean.sqrt() as f32,
+    }
 }
 
 /// Vertices that a triangle uses; others are not part of the surface.
 fn reference_samples((positions, triangles): Surface<'_>) -> Vec<Vec3> {
     let mut used = vec![false; positions.len()];
-    triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    positions.iter().zip(used).filter(|(_, used)| *used).map(|(&p, _)| Vec3::from(p)).collect()
+    triangles
+        .iter()
+        .flatten()
+        .for_each(|&v| used[v as usize] = true);
+    positions
+        .iter()
+        .zip(used)
+        .filter(|(_, used)| *used)
+        .map(|(&p, _)| Vec3::from(p))
+        .collect()
 }
 
 fn lod_samples((positions, triangles): Surface<'_>) -> Vec<Vec3> {
-    let corners = triangles.iter().map(|t| t.map(|v| Vec3::from(positions[v as usize])));
-    corners.flat_map(|[a, b, c]| [a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0]).collect()
+    let corners = triangles
+        .iter()
+        .map(|t| t.map(|v| Vec3::from(positions[v as usize])));
+    corners
+        .flat_map(|[a, b, c]| {
+            [
+                a,
+                b,
+                c,
+                (a + b) / 2.0,
+                (b + c) / 2.0,
+                (c + a) / 2.0,
+                (a + b + c) / 3.0,
+            ]
+        })
+        .collect()
 }
 
 /// A binary tree of boxes over triangles, as flat arrays; children follow their parent.
@@ -71,8 +99,10 @@ struct Node {
 
 impl Tree {
     fn new((positions, triangles): Surface<'_>) -> Option<Self> {
-        let mut triangles: Vec<[Vec3; 3]> =
-            triangles.iter().map(|t| t.map(|v| Vec3::from(positions[v as usize]))).collect();
+        let mut triangles: Vec<[Vec3; 3]> = triangles
+            .iter()
+            .map(|t| t.map(|v| Vec3::from(positions[v as usize])))
+            .collect();
         let mut nodes = Vec::with_capacity(triangles.len() / 2 + 1);
         (!triangles.is_empty()).then(|| {
             split(&mut triangles, 0, &mut nodes);
@@ -113,7 +143,12 @@ fn split(triangles: &mut [[Vec3; 3]], first: usize, nodes: &mut Vec<Node>) {
     let low = points().fold(Vec3::INFINITY, |low, &p| low.min(p));
     let high = points().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p));
     let at = nodes.len();
-    nodes.push(Node { low, high, first: first as u32, count: triangles.len() as u32 });
+    nodes.push(Node {
+        low,
+        high,
+        first: first as u32,
+        count: triangles.len() as u32,
+    });
     if triangles.len() <= LEAF {
         return;
     }
@@ -159,24 +194,41 @@ fn closest_point([a, b, c]: &[Vec3; 3], p: Vec3) -> Vec3 {
     }
     // A triangle without area reaches this only by rounding; any of its points is then as close as can be told.
     let sum = va + vb + vc;
-    if sum > 0.0 { a + ab * (vb / sum) + ac * (vc / sum) } else { *a }
+    if sum > 0.0 {
+        a + ab * (vb / sum) + ac * (vc / sum)
+    } else {
+        *a
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const SQUARE: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    const SQUARE: [[f32; 3]; 4] = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+    ];
     const HALVES: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
 
     /// A bumpy grid of `n` by `n` squares over the unit square.
     fn sheet(n: u32, height: impl Fn(f32, f32) -> f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
         let at = |i: u32| i as f32 / n as f32;
         let grid = |i: u32| (at(i % (n + 1)), at(i / (n + 1)));
-        let positions = (0..(n + 1) * (n + 1)).map(grid).map(|(x, y)| [x, y, height(x, y)]).collect();
+        let positions = (0..(n + 1) * (n + 1))
+            .map(grid)
+            .map(|(x, y)| [x, y, height(x, y)])
+            .collect();
         let corner = |i: u32| i / n * (n + 1) + i % n;
         let squares = (0..n * n).map(corner);
-        (positions, squares.flat_map(|i| [[i, i + 1, i + n + 2], [i, i + n + 2, i + n + 1]]).collect())
+        (
+            positions,
+            squares
+                .flat_map(|i| [[i, i + 1, i + n + 2], [i, i + n + 2, i + n + 1]])
+                .collect(),
+        )
     }
 
     #[test]
@@ -184,7 +236,10 @@ mod tests {
         assert!(deviation((&SQUARE, &HALVES), (&SQUARE, &HALVES)).max < 1e-6);
         let lifted = SQUARE.map(|[x, y, _]| [x, y, 0.25]);
         let d = deviation((&SQUARE, &HALVES), (&lifted, &HALVES));
-        assert!((d.max - 0.25).abs() < 1e-6 && (d.rms - 0.25).abs() < 1e-6, "{d:?}");
+        assert!(
+            (d.max - 0.25).abs() < 1e-6 && (d.rms - 0.25).abs() < 1e-6,
+            "{d:?}"
+        );
     }
 
     #[test]
@@ -194,7 +249,10 @@ mod tests {
             deviation((&bumpy, &triangles), (&SQUARE, &HALVES)),
             deviation((&SQUARE, &HALVES), (&bumpy, &triangles)),
         );
-        assert!((there.max - 0.3).abs() < 1e-6 && (back.max - 0.3).abs() < 1e-6, "{there:?} {back:?}");
+        assert!(
+            (there.max - 0.3).abs() < 1e-6 && (back.max - 0.3).abs() < 1e-6,
+            "{there:?} {back:?}"
+        );
     }
 
     #[test]
@@ -203,9 +261,17 @@ mod tests {
         let tree = Tree::new((&positions, &triangles)).unwrap();
         for i in 0..500 {
             let t = i as f32;
-            let p = Vec3::new((t * 0.731).fract() * 2.0 - 0.5, (t * 0.377).fract() * 2.0 - 0.5, (t * 0.913).fract() - 0.5);
-            let all = triangles.iter().map(|t| t.map(|v| Vec3::from(positions[v as usize])));
-            let brute = all.map(|t| closest_point(&t, p).distance_squared(p)).fold(f32::INFINITY, f32::min);
+            let p = Vec3::new(
+                (t * 0.731).fract() * 2.0 - 0.5,
+                (t * 0.377).fract() * 2.0 - 0.5,
+                (t * 0.913).fract() - 0.5,
+            );
+            let all = triangles
+                .iter()
+                .map(|t| t.map(|v| Vec3::from(positions[v as usize])));
+            let brute = all
+                .map(|t| closest_point(&t, p).distance_squared(p))
+                .fold(f32::INFINITY, f32::min);
             assert_eq!(tree.squared_distance(p), brute);
         }
     }
@@ -213,7 +279,14 @@ mod tests {
     #[test]
     fn triangles_without_area_and_empty_surfaces_are_no_trouble() {
         let line = [[0, 1, 1], [2, 2, 2]];
-        assert!(deviation((&SQUARE, &line), (&SQUARE, &HALVES)).max.is_finite());
-        assert_eq!(deviation((&SQUARE, &[]), (&SQUARE, &HALVES)), Deviation::default());
+        assert!(
+            deviation((&SQUARE, &line), (&SQUARE, &HALVES))
+                .max
+                .is_finite()
+        );
+        assert_eq!(
+            deviation((&SQUARE, &[]), (&SQUARE, &HALVES)),
+            Deviation::default()
+        );
     }
 }
