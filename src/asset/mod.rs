@@ -108,6 +108,10 @@ impl Model {
 pub fn write(built: &Built, path: &Path) -> Result<()> {
     let bytes = to_bytes(built)?;
     let io = |source| Error::io(path, source);
+    // A pipe or device is written to, never replaced by a file.
+    if std::fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir()) {
+        return std::fs::write(path, &bytes).map_err(io);
+    }
     let folder = path
         .parent()
         .filter(|p| !p.as_os_str().is_empty())

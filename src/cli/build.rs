@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use invertex::asset::{self, BuildSettings, MeshReport, Progress};
 use invertex::igt::Layout;
-use invertex::output::check_target;
+use invertex::output::{check_target, write_bytes};
 use invertex::param::PrimaryRequest;
 use invertex::scene::{Scene, read_file};
 use invertex::{Error, Result};
@@ -132,7 +132,7 @@ impl Build {
         };
         times.extend(&outcome.milliseconds);
         let writing = Instant::now();
-        asset::write(&outcome.built, &self.output)?;
+        write_bytes(&self.output, &asset::to_bytes(&outcome.built)?)?;
         times.push(("write", milliseconds(writing)));
         times.push(("total", milliseconds(start)));
         device.check();

@@ -118,7 +118,7 @@ impl Demo {
         };
         let outcome = asset::build(scene, &settings, device.processor(), &build::Watching(&bar))?;
         let path = self.folder.join(format!("{name}.built.glb"));
-        asset::write(&outcome.built, &path)?;
+        write_bytes(&path, &asset::to_bytes(&outcome.built)?)?;
         // Drawn from the file, as anybody else would.
         let model = Model::load(&path)?;
         let studio = Studio {

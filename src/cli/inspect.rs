@@ -99,7 +99,13 @@ impl Inspect {
         let model = Model::load(&self.input)?;
         let built = match &model {
             Model::Plain(_) => None,
-            Model::Built(built) => Some(built.meshes.iter().map(|mesh| mesh.report.clone()).collect()),
+            Model::Built(built) => Some(
+                built
+                    .meshes
+                    .iter()
+                    .map(|mesh| mesh.report.clone())
+                    .collect(),
+            ),
         };
         let scene = model.scene();
         if let Some(name) = &self.mesh {
