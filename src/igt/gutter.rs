@@ -13,11 +13,11 @@ use crate::param::projection::Line;
 use rayon::prelude::*;
 
 /// The most gutter entries of a (texel, layer) pair.
-pub const MOST: usize = 8;
+pub(super) const MOST: usize = 8;
 /// The farthest ring of texels searched.
-pub const REACH: u32 = 48;
+pub(super) const REACH: u32 = 48;
 /// How many entries of one texel's list are considered.
-pub const PER_TEXEL: usize = 16;
+pub(super) const PER_TEXEL: usize = 16;
 
 /// The (texel, layer) pairs that LoDs touch, ascending: `texel << 8 | layer`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -89,7 +89,7 @@ fn split_glb<'a>(file: &str, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u
                 format!("claims {length} bytes, {} are left", tail.len()),
             );
         }
-        if length % 4 != 0 {
+        if !length.is_multiple_of(4) {
             return bad(&element, format!("length {length} is not a multiple of 4"));
         }
         match (chunks.len(), kind) {

@@ -156,7 +156,7 @@ impl<'a> Meshes<'a> {
         }
         let count = if mode == 4 { v.len() / 3 } else { v.len() - 2 };
         self.reader.charge(count, 16, || element.into())?;
-        if mode == 4 && v.len() % 3 != 0 {
+        if mode == 4 && !v.len().is_multiple_of(3) {
             self.warnings.push(format!(
                 "{element} has {} indices, not a multiple of 3: the rest is left out",
                 v.len()
