@@ -12,15 +12,15 @@ use invertex::render::Picture;
 use std::sync::Arc;
 
 /// A shape with its tables and one LoD.
-pub struct Inverse {
-    pub mesh: Mesh,
-    pub parts: Parts,
-    pub lod: Lod,
-    pub tables: Arc<Tables>,
+pub(crate) struct Inverse {
+    pub(crate) mesh: Mesh,
+    pub(crate) parts: Parts,
+    pub(crate) lod: Lod,
+    pub(crate) tables: Arc<Tables>,
 }
 
 /// Builds `mesh` for drawing at `fraction` of its triangles.
-pub fn build(mesh: Mesh, request: &str, layout: Layout, fraction: f32) -> Inverse {
+pub(crate) fn build(mesh: Mesh, request: &str, layout: Layout, fraction: f32) -> Inverse {
     let request: PrimaryRequest = request.parse().unwrap();
     let (primary, _) = choose(&mesh, &request).unwrap();
     let parts = layer::parts(&mesh, &primary);
@@ -52,7 +52,7 @@ pub fn build(mesh: Mesh, request: &str, layout: Layout, fraction: f32) -> Invers
 }
 
 /// The tables of a mesh that serve `lods`.
-pub fn tables(
+pub(crate) fn tables(
     mesh: &Mesh,
     primary: &Primary,
     parts: &Parts,
@@ -76,7 +76,7 @@ fn asking(lod: &Lod) -> Asking<'_> {
 }
 
 /// LoDs side by side, each through its own tables.
-pub fn picture(all: &[&Inverse]) -> Picture {
+pub(crate) fn picture(all: &[&Inverse]) -> Picture {
     let (textures, materials) = textured();
     let mut attributes = AttributeSet::new(textures, &materials, 1);
     let bases: Vec<u32> = all

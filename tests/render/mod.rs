@@ -2,15 +2,15 @@
 
 #![allow(dead_code)]
 
-pub mod inverse;
-pub mod model;
+pub(crate) mod inverse;
+pub(crate) mod model;
 
 use invertex::attribute::{AttributeSet, Material, Pixels, Sampler, SlotBinding, TextureSet};
 use invertex::mesh::Mesh;
 use invertex::render::{Camera, Picture, Projection, Rendered};
 
 /// A checkerboard of 8-bit colours that differ everywhere, `n` x `n` texels.
-pub fn board(n: u32) -> Vec<u8> {
+pub(crate) fn board(n: u32) -> Vec<u8> {
     (0..n * n)
         .flat_map(|i| {
             let (x, y) = (i % n, i / n);
@@ -26,7 +26,7 @@ pub fn board(n: u32) -> Vec<u8> {
 }
 
 /// A bumpy tangent-space normal map, `n` x `n` texels.
-pub fn bumps(n: u32) -> Vec<u8> {
+pub(crate) fn bumps(n: u32) -> Vec<u8> {
     let wave = |k: u32| (128 + (k % 16) * 5 - 40) as u8;
     (0..n * n)
         .flat_map(|i| [wave(i % n), wave(i / n), 240, 255])
@@ -34,7 +34,7 @@ pub fn bumps(n: u32) -> Vec<u8> {
 }
 
 /// A material with a textured colour and normal map.
-pub fn textured() -> (TextureSet, Vec<Material>) {
+pub(crate) fn textured() -> (TextureSet, Vec<Material>) {
     let mut textures = TextureSet::default();
     let (colour, normal) = (board(64), bumps(32));
     let pixels = |width, rgba| Pixels {
@@ -64,7 +64,7 @@ pub fn textured() -> (TextureSet, Vec<Material>) {
 }
 
 /// A picture of reference meshes, each drawn where `world` says.
-pub fn picture(meshes: &[(&Mesh, glam::DMat4)]) -> Picture {
+pub(crate) fn picture(meshes: &[(&Mesh, glam::DMat4)]) -> Picture {
     let (textures, materials) = textured();
     let mut attributes = AttributeSet::new(textures, &materials, 1);
     let bases: Vec<u32> = meshes
@@ -82,7 +82,13 @@ pub fn picture(meshes: &[(&Mesh, glam::DMat4)]) -> Picture {
 }
 
 /// The camera that frames a picture.
-pub fn camera(picture: &Picture, azimuth: f64, elevation: f64, width: u32, height: u32) -> Camera {
+pub(crate) fn camera(
+    picture: &Picture,
+    azimuth: f64,
+    elevation: f64,
+    width: u32,
+    height: u32,
+) -> Camera {
     let (centre, radius) = picture.bounding_sphere();
     Camera::framed(
         centre,
@@ -97,7 +103,7 @@ pub fn camera(picture: &Picture, azimuth: f64, elevation: f64, width: u32, heigh
 }
 
 /// A shape with tangents along its uv set.
-pub fn tangents(mut mesh: Mesh) -> Mesh {
+pub(crate) fn tangents(mut mesh: Mesh) -> Mesh {
     let sets = vec![Some(0); mesh.triangles.len()];
     mesh.tangents = vec![[0.0; 4]; mesh.positions.len()];
     mesh.generate_tangents(&sets);
@@ -105,7 +111,7 @@ pub fn tangents(mut mesh: Mesh) -> Mesh {
 }
 
 /// How two images differ, bit for bit: pixels of colour, of linear colour, triangles, depths, barycentrics, fetches.
-pub fn differences(a: &Rendered, b: &Rendered) -> [usize; 6] {
+pub(crate) fn differences(a: &Rendered, b: &Rendered) -> [usize; 6] {
     fn count<T, B: PartialEq>(a: &[T], b: &[T], bits: impl Fn(&T) -> B) -> usize {
         assert_eq!(a.len(), b.len());
         a.iter().zip(b).filter(|(p, q)| bits(p) != bits(q)).count()
@@ -123,7 +129,7 @@ pub fn differences(a: &Rendered, b: &Rendered) -> [usize; 6] {
 
 /// A context for each usable device; says loudly where there is none.
 #[cfg(feature = "gpu")]
-pub fn contexts() -> Vec<invertex::gpu::Context> {
+pub(crate) fn contexts() -> Vec<invertex::gpu::Context> {
     use invertex::gpu::{Context, ContextOptions, DeviceChoice, devices};
     let found = devices().unwrap_or_default();
     let usable = found.iter().filter(|d| d.usable);

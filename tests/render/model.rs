@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The file of a shared model, if it is here; says loudly if not.
-pub fn path(name: &str) -> Option<PathBuf> {
+pub(crate) fn path(name: &str) -> Option<PathBuf> {
     let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
     let path = std::env::var_os("INVERTEX_MODELS")
         .map_or_else(beside, PathBuf::from)
@@ -24,21 +24,21 @@ pub fn path(name: &str) -> Option<PathBuf> {
 }
 
 /// A scene with everything a LoD needs; for each mesh what could be had.
-pub struct Built {
-    pub scene: Scene,
-    pub meshes: Vec<Option<BuiltMesh>>,
+pub(crate) struct Built {
+    pub(crate) scene: Scene,
+    pub(crate) meshes: Vec<Option<BuiltMesh>>,
 }
 
 /// A mesh of it.
-pub struct BuiltMesh {
-    pub primary: Primary,
-    pub parts: Parts,
-    pub chain: Vec<Lod>,
-    pub tables: Arc<Tables>,
+pub(crate) struct BuiltMesh {
+    pub(crate) primary: Primary,
+    pub(crate) parts: Parts,
+    pub(crate) chain: Vec<Lod>,
+    pub(crate) tables: Arc<Tables>,
 }
 
 /// Builds all meshes of a model.
-pub fn build(
+pub(crate) fn build(
     scene: Scene,
     request: &PrimaryRequest,
     hash: u32,
@@ -94,7 +94,7 @@ pub fn build(
 
 impl Built {
     /// What each mesh is drawn with at level `level` (0: the reference's own geometry).
-    pub fn subjects(&self, level: usize) -> Vec<Subject<'_>> {
+    pub(crate) fn subjects(&self, level: usize) -> Vec<Subject<'_>> {
         self.meshes
             .iter()
             .map(|mesh| {
