@@ -215,6 +215,8 @@ fn machine() -> Value {
         "processor": first("/proc/cpuinfo", "model name"),
         "cores": std::thread::available_parallelism().map_or(0, usize::from),
         "system": first("/etc/os-release", "PRETTY_NAME"),
+        // What else ran: the numbers of a busy machine are a lower bound.
+        "load_average": std::fs::read_to_string("/proc/loadavg").unwrap_or_default().trim(),
     })
 }
 
