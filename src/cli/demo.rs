@@ -23,7 +23,7 @@ const LODS: [f32; 4] = [0.2, 0.1, 0.05, 0.02];
 /// The level beside the reference at the top of the report.
 const SHOWCASE: usize = 2;
 /// Repetitions of each timed frame.
-const FRAMES: usize = 5;
+const FRAMES: usize = 3;
 
 /// Do all of it on the bundled model, ending with an HTML report.
 ///
