@@ -1,7 +1,7 @@
 //! Which hash texels a triangle touches: conservative, exact, in integers. Twin of `glsl/common/igt_cover.glsl`.
 //!
 //! In: a triangle on the vertex grid. Out: boxes of texels ([`boxes`]) and, for each texel in them, whether the triangle
-//! may own a query point there ([`touches`]). A texel is missed only where a plane separates the closed triangle from the
+//! may own a query point there ([`Toucher::touches`]). A texel is missed only where a plane separates the closed triangle from the
 //! closed texel, so every owner of every query point is in the list of that point's texel.
 //! Source: Inverse Geometric Textures, section 2.1 ("conservative, even if the triangle slightly touches the texel").
 

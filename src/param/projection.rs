@@ -15,7 +15,7 @@
 //! All of it is integer arithmetic within 96 bits, so the answer is the same on every processor.
 //!
 //! **Exactly one owner.** Where some `D_i` is zero the query lies on an edge. Then the sign is taken as if the query were
-//! moved by an infinitesimal step, the same one for every triangle ([`tie`]); what holds for generic points (a one-to-one
+//! moved by an infinitesimal step, the same one for every triangle (`tie`); what holds for generic points (a one-to-one
 //! surface has one owner) then holds for all of them: edges, vertices, seams, poles and the axis.
 
 use super::grid::{QUERY_BITS, QUERY_SHIFT};

@@ -22,7 +22,7 @@ pub enum Correspond {
     Reference,
     /// A LoD, through the inverse geometric texture.
     Inverse,
-    /// A LoD with artist attributes at its corners ([`super::plain`]).
+    /// A LoD with artist attributes at its corners (`plain.rs`).
     Plain,
 }
 

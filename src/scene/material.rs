@@ -84,7 +84,7 @@ impl UvTransform {
         scale: [1.0; 2],
     };
 
-    /// Rows of the affine map: u' = r[0] . (u, v, 1), v' = r[1] . (u, v, 1).
+    /// Rows of the affine map: `u' = r[0] . (u, v, 1)`, `v' = r[1] . (u, v, 1)`.
     pub fn rows(&self) -> [[f32; 3]; 2] {
         let (sin, cos) = f64::from(self.rotation).sin_cos();
         let [sx, sy] = self.scale.map(f64::from);
