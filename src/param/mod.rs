@@ -1,6 +1,6 @@
 //! Primary parameterizations M_T: which point of texture space T3, and which hash address, a surface point has.
 //!
-//! In: a [`Mesh`](crate::mesh::Mesh). Out: a [`Primary`], which maps vertices to the integer grid of T3 ([`grid`]) and whose
+//! In: a [`Mesh`]. Out: a [`Primary`], which maps vertices to the integer grid of T3 ([`grid`]) and whose
 //! projection lines ([`projection`]) decide which reference point a T3 point stands for.
 //! Source: Inverse Geometric Textures, section 2 (M_T = M o P o C): [`Primary::t3_of`] is C, [`projection::Line`] is P and
 //! [`projection::Line::texel`] is M.

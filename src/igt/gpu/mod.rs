@@ -1,6 +1,6 @@
 //! Tables on a device: built there by compute passes, and asked there.
 //!
-//! In: what the CPU build takes, and a [`Context`](crate::gpu::Context). Out: the same [`Tables`](super::Tables), byte for byte.
+//! In: what the CPU build takes, and a [`crate::gpu::Context`]. Out: the same [`Tables`], byte for byte.
 
 mod build;
 mod query;
