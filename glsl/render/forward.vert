@@ -40,10 +40,14 @@ void main() {
     vec3 p = vec3(positions.words[v * 3u], positions.words[v * 3u + 1u], positions.words[v * 3u + 2u]);
     world = vec3(affine(draws.records[draw].world[0], p), affine(draws.records[draw].world[1], p),
                  affine(draws.records[draw].world[2], p));
-    precise float x = affine(view.row_x, world) * 2.0 / float(view.width);
-    precise float y = affine(view.row_y, world) * 2.0 / float(view.height);
+    // Snapped to sixteenths of a pixel as in the deferred path, so that both draw the same outline.
     float w = affine(view.row_w, world);
-    gl_Position = vec4(x - w, y - w, affine(view.row_z, world), w);
+    vec2 h = vec2(affine(view.row_x, world), affine(view.row_y, world));
+    if (w > 1e-20 && abs(h.x) < w * 131072.0 && abs(h.y) < w * 131072.0) {
+        h = floor(h / w * 16.0 + 0.5) / 16.0 * w;
+    }
+    vec2 clip = h * 2.0 / vec2(view.width, view.height) - w;
+    gl_Position = vec4(clip, affine(view.row_z, world), w);
     ivec3 first = t3.points[vertices.x].xyz;
     ivec3 way = (t3.points[v].xyz - first) << 6;
     triangle = uvec3(local, draw, vertices.w);
