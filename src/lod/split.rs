@@ -33,7 +33,7 @@ pub(super) fn split(
             .map(|t| joint.origins[vertices[t[0] as usize] as usize].layer)
             .collect(),
         triangles,
-        error: simplified.error / scale(joint, m),
+        error: error(joint, simplified, m),
         reached: simplified.reached,
         ..Lod::default()
     };
@@ -92,22 +92,21 @@ fn push_vertex(
 ) {
     let (mesh, primary) = (input.mesh, input.primary);
     let origin = joint.origins[v].vertex as usize;
-    // A vertex that stayed is the reference's own, bit by bit.
-    let moved = simplified.positions[v] != joint.positions[v];
-    let position = if moved {
-        undo.transform_point3(DVec3::from(simplified.positions[v].map(f64::from)))
-            .as_vec3()
-            .to_array()
-    } else {
+    let moved = undo
+        .transform_point3(DVec3::from(simplified.positions[v].map(f64::from)))
+        .as_vec3();
+    // A vertex that stayed is the reference's own, bit by bit; so is one thrown out of the numbers' range.
+    let stayed = simplified.positions[v] == joint.positions[v] || !moved.is_finite();
+    let position = if stayed {
         mesh.positions[origin]
+    } else {
+        moved.to_array()
     };
-    let same_uv = uv_of(&simplified.attributes, v) == uv_of(&joint.attributes, v);
+    let uv = uv_of(&simplified.attributes, v);
+    let same_uv = uv == uv_of(&joint.attributes, v) || !uv.iter().all(|x| x.is_finite());
     let t3 = match primary.kind {
         PrimaryKind::UvSet(_) if same_uv => primary.t3_of(mesh, origin),
-        PrimaryKind::UvSet(_) => {
-            let [u, v] = uv_of(&simplified.attributes, v);
-            [u, v, 0.0]
-        }
+        PrimaryKind::UvSet(_) => [uv[0], uv[1], 0.0],
         _ => primary.t3_of_position(position.map(f64::from)),
     };
     lod.positions.push(position);
@@ -118,9 +117,15 @@ fn push_vertex(
     }
 }
 
-/// World units per object unit of mesh `m`.
-fn scale(joint: &Joint, m: usize) -> f32 {
-    joint.worlds[m].determinant().abs().cbrt() as f32
+/// The simplifier's error in object units of mesh `m`; finite.
+fn error(joint: &Joint, simplified: &Simplified, m: usize) -> f32 {
+    let world_per_object = joint.worlds[m].determinant().abs().cbrt();
+    let error = f64::from(simplified.error) / world_per_object;
+    if error.is_nan() {
+        f32::MAX
+    } else {
+        (error as f32).min(f32::MAX)
+    }
 }
 
 /// Counts triangles whose T3 orientation is not the reference's: of their chart for a uv set, of the mesh otherwise.

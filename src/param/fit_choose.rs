@@ -156,6 +156,9 @@ fn verdict(fit: &Fit) -> String {
 }
 
 fn percent(share: f64, what: &str) -> String {
+    if share > 0.0 && share < 1e-5 {
+        return format!("less than 0.001 % {what}");
+    }
     let digits = if share >= 0.01 || share == 0.0 { 1 } else { 3 };
     format!("{:.digits$} % {what}", share * 100.0)
 }

@@ -22,6 +22,10 @@ pub const DILATION: usize = 2;
 /// Layers that are nobody else's; the last one is shared by all parts that find none.
 pub const LAYERS: usize = 255;
 
+/// Cells that may be looked at in all: parts that come after them share the last layer, so that a heap of huge
+/// overlapping triangles takes seconds, not hours.
+const MOST_VISITS: usize = 1 << 30;
+
 /// Connected parts of a mesh and their layers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Parts {
@@ -83,6 +87,13 @@ fn colour(mesh: &Mesh, primary: &Primary, parts: &mut Parts) {
     let corners = |t: u32| mesh.triangles[t as usize].map(|v| points[v as usize]);
     for (number, group) in by_part(parts).into_iter().enumerate() {
         let footprint = raster.footprint(number as u32 + 1, group.iter().map(|&t| corners(t)));
+        let Some(footprint) = footprint else {
+            group
+                .iter()
+                .for_each(|&t| parts.triangle_layer[t as usize] = LAYERS as u8 - 1);
+            parts.crowded_parts += 1;
+            continue;
+        };
         let mut used = Layers::default();
         footprint
             .iter()
@@ -118,6 +129,8 @@ struct Raster {
     cells: Vec<Layers>,
     /// For each cell the last part whose footprint it was in, so that a footprint lists it once.
     stamps: Vec<u32>,
+    /// Cells that may still be looked at.
+    visits_left: usize,
 }
 
 impl Raster {
@@ -136,20 +149,28 @@ impl Raster {
             stamps: vec![0; count],
             domain,
             side,
+            visits_left: MOST_VISITS,
         }
     }
 
-    /// The cells of the triangles' bounding rectangles, grown by [`DILATION`], each once. `stamp` is the part's own number, not 0.
+    /// The cells of the triangles' bounding rectangles, grown by [`DILATION`], each once; `None` when
+    /// [`MOST_VISITS`] are used up. `stamp` is the part's own number, not 0.
     fn footprint(
         &mut self,
         stamp: u32,
         triangles: impl Iterator<Item = [[f64; 3]; 3]>,
-    ) -> Vec<u32> {
+    ) -> Option<Vec<u32>> {
         let (domain, side) = (self.domain, self.side);
         let mut footprint = vec![];
         for triangle in triangles {
             domain.pieces(&triangle, |piece| {
                 let [columns, rows] = cells(&piece, side);
+                let visits = columns.len() * rows.len();
+                if visits > self.visits_left {
+                    self.visits_left = 0;
+                    return;
+                }
+                self.visits_left -= visits;
                 for row in rows {
                     for column in columns.clone() {
                         let cell = (piece.sheet * side + row) * side + column;
@@ -160,8 +181,11 @@ impl Raster {
                     }
                 }
             });
+            if self.visits_left == 0 {
+                return None;
+            }
         }
-        footprint
+        Some(footprint)
     }
 }
 
@@ -171,4 +195,39 @@ fn cells(piece: &Piece, side: usize) -> [std::ops::Range<usize>; 2] {
         let cell = |x: f64| (x * side as f64).floor().clamp(0.0, side as f64 - 1.0) as usize;
         cell(piece.low[i]).saturating_sub(DILATION)..(cell(piece.high[i]) + DILATION + 1).min(side)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes;
+    use crate::param::PrimaryKind;
+
+    #[test]
+    fn a_footprint_ends_where_the_visits_do() {
+        let mesh = shapes::grid(4);
+        let primary = Primary::centred(PrimaryKind::UvSet(0), &mesh).unwrap();
+        let points = t3_points(&mesh, primary.kind);
+        let triangles = || mesh.triangles.iter().map(|t| t.map(|v| points[v as usize]));
+        let mut raster = Raster::new(&primary, &points);
+        let cells = raster.footprint(1, triangles()).unwrap();
+        assert_eq!(
+            cells.len(),
+            RASTER_CELLS * RASTER_CELLS,
+            "the unit square, each cell once"
+        );
+        raster.visits_left = 1000;
+        assert_eq!(raster.footprint(2, triangles()), None);
+        assert_eq!(raster.visits_left, 0, "and stays used up");
+    }
+
+    #[test]
+    fn the_lowest_free_layer_is_found() {
+        let mut layers = Layers::default();
+        for expected in 0..256 {
+            assert_eq!(layers.lowest_free(), expected);
+            layers.insert(expected);
+        }
+        assert_eq!(layers.lowest_free(), 256);
+    }
 }
