@@ -208,16 +208,20 @@ mod tests {
         let mesh = shapes::grid(4);
         let primary = Primary::centred(PrimaryKind::UvSet(0), &mesh).unwrap();
         let points = t3_points(&mesh, primary.kind);
-        let triangles = || mesh.triangles.iter().map(|t| t.map(|v| points[v as usize]));
+        let triangles: Vec<[[f64; 3]; 3]> = mesh
+            .triangles
+            .iter()
+            .map(|t| t.map(|v| points[v as usize]))
+            .collect();
         let mut raster = Raster::new(&primary, &points);
-        let cells = raster.footprint(1, triangles()).unwrap();
+        let cells = raster.footprint(1, triangles.iter().copied()).unwrap();
         assert_eq!(
             cells.len(),
             RASTER_CELLS * RASTER_CELLS,
             "the unit square, each cell once"
         );
         raster.visits_left = 1000;
-        assert_eq!(raster.footprint(2, triangles()), None);
+        assert_eq!(raster.footprint(2, triangles.iter().copied()), None);
         assert_eq!(raster.visits_left, 0, "and stays used up");
     }
 
