@@ -44,20 +44,14 @@ pub(crate) fn search(spaces: &[HalfSpace], starts: &[[f64; 3]], radius: f64) -> 
     let inner = widest(spaces, &sample, first, radius);
     candidates.push(inner);
     if turned(spaces, inner) > 0.0 {
+        // Walks from the convex loss's minimum and from the best of the others: the rest end in the same valleys.
+        let shares = candidates.iter().map(|&c| (turned(&sample, c), c));
+        let other = shares
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map_or(first, |best| best.1);
         let convex = least_hinge(&sample, first, radius);
         candidates.push(convex);
-        // Walks from the two best starts: the others end in the same valleys.
-        let mut starts: Vec<(f64, [f64; 3])> = candidates
-            .iter()
-            .map(|&c| (turned(&sample, c), c))
-            .collect();
-        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        candidates.extend(
-            starts
-                .iter()
-                .take(2)
-                .map(|&(_, start)| walk(&sample, start, radius)),
-        );
+        candidates.extend([convex, other].map(|start| walk(&sample, start, radius)));
     }
     best(spaces, &candidates)
 }
@@ -147,6 +141,7 @@ fn widest_of(spaces: &[HalfSpace], start: [f64; 3], radius: f64) -> [f64; 3] {
         let point = newton(
             spaces,
             best.1,
+            radius,
             |distance| squared_hinge(wanted - distance),
             |_| 1.0,
         );
@@ -170,6 +165,7 @@ fn least_hinge(spaces: &[HalfSpace], start: [f64; 3], radius: f64) -> [f64; 3] {
         point = newton(
             spaces,
             point,
+            radius,
             |distance| smooth_hinge(-distance, width),
             |s| s.weight,
         );
@@ -223,10 +219,11 @@ fn smooth_hinge(x: f64, width: f64) -> Loss {
 }
 
 /// Damped Newton iterations on `sum weight * loss(distance)`; the loss must be convex and grow with the violation
-/// `-distance`.
+/// `-distance`. No step is longer than `reach`.
 fn newton(
     spaces: &[HalfSpace],
     start: [f64; 3],
+    reach: f64,
     loss: impl Fn(f64) -> Loss,
     weight: impl Fn(&HalfSpace) -> f64,
 ) -> [f64; 3] {
@@ -256,7 +253,8 @@ fn newton(
         let trace = hessian[0][0] + hessian[1][1] + hessian[2][2];
         (0..3).for_each(|i| hessian[i][i] += 1e-6 * trace + 1e-12);
         let step = solve(hessian, gradient);
-        let mut scale = 1.0;
+        // Where the loss is straight there is no curvature, and a step would end anywhere.
+        let mut scale = (reach / dot(step, step).sqrt()).min(1.0);
         let mut moved = false;
         for _ in 0..12 {
             let next: [f64; 3] = std::array::from_fn(|i| point[i] - scale * step[i]);
