@@ -211,7 +211,7 @@ bool igt_touches_wedge(uint bits, ivec3 v[3], uvec2 texel) {
     return igt_one_side(marks);
 }
 
-// The corners of a texel's part inside an octant: four, three on the fold, or none.
+// The corners of a texel's part inside an octant: four, three on the fold, two or one where it only touches it, or none.
 int igt_cone_corners(uint bits, uvec2 texel, uint octant, out ivec3 corners[4]) {
     int width = 1 << bits;
     bvec3 negative = igt_negatives(octant);
@@ -228,7 +228,7 @@ int igt_cone_corners(uint bits, uvec2 texel, uint octant, out ivec3 corners[4]) 
         corners[count] = ivec3(negative.x ? -folded.x : folded.x, negative.y ? -folded.y : folded.y, negative.z ? -folded.z : folded.z);
         count++;
     }
-    return count < 3 ? 0 : count;
+    return count;
 }
 
 int igt_dot_sign(uvec2 x, uvec2 y, uvec2 z, ivec3 p) {

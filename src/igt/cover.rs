@@ -371,7 +371,8 @@ fn wedge_direction(bits: u32, column: u32) -> [i64; 2] {
     }
 }
 
-/// The corners of a texel's part inside an octant, as directions of L1 length W: four, three on the fold, or none.
+/// The corners of a texel's part inside an octant, as directions of L1 length W: four, three on the fold; two or one
+/// where it only touches the octant, since a query point on that border may have been assigned to the texel; or none.
 fn cone_corners(bits: u32, texel: [u32; 2], octant: u32) -> ([[i32; 3]; 4], usize) {
     let width = 1i32 << bits;
     let negative = negatives(octant);
@@ -400,10 +401,5 @@ fn cone_corners(bits: u32, texel: [u32; 2], octant: u32) -> ([[i32; 3]; 4], usiz
         corners[count] = [0, 1, 2].map(|k| if negative[k] { -folded[k] } else { folded[k] });
         count += 1;
     }
-    // Two corners or one: the texel only touches the octant.
-    if count < 3 {
-        (corners, 0)
-    } else {
-        (corners, count)
-    }
+    (corners, count)
 }
