@@ -8,6 +8,7 @@ use super::device::Arrays;
 use super::draw::ViewConstants;
 use super::picture::Picture;
 use super::shade::{Aov, NOTHING, Pixel};
+use crate::attribute::arithmetic::srgb_decode_table;
 use crate::attribute::texture::{
     FLAG_NEAREST, FLAG_NO_MIPS, FLAG_SRGB, LEVELS_AT, TEXTURE_WORDS, TextureSet,
 };
@@ -198,6 +199,8 @@ fn classes(set: &TextureSet) -> Result<(Vec<u32>, Vec<Vec<usize>>)> {
 fn image(context: &Context, set: &TextureSet, class: &[usize]) -> Result<Image> {
     let record = |id: usize| &set.records[id * TEXTURE_WORDS..][..TEXTURE_WORDS];
     let first = record(class[0]);
+    let srgb = first[5] & FLAG_SRGB != 0;
+    let decode = srgb_decode_table();
     let (width, height, levels) = (first[1], first[2], first[3]);
     let mut texels: Vec<Vec<u8>> = Vec::with_capacity(levels as usize);
     for level in 0..levels {
@@ -205,17 +208,21 @@ fn image(context: &Context, set: &TextureSet, class: &[usize]) -> Result<Image> 
         let mut bytes = Vec::with_capacity(area * 4 * class.len());
         for &id in class {
             let begin = (record(id)[0] + record(id)[LEVELS_AT + level as usize]) as usize;
-            bytes.extend_from_slice(bytemuck::cast_slice(&set.texels[begin..begin + area]));
+            let words = &set.texels[begin..begin + area];
+            if srgb {
+                bytes.extend(words.iter().flat_map(|&word| linear_half(&decode, word)));
+            } else {
+                bytes.extend_from_slice(bytemuck::cast_slice(words));
+            }
         }
         texels.push(bytes);
     }
-    let srgb = first[5] & FLAG_SRGB != 0;
     let options = ImageOptions {
         size: [width, height],
         layers: Some(class.len() as u32),
         levels,
         format: if srgb {
-            vk::Format::R8G8B8A8_SRGB
+            vk::Format::R16G16B16A16_SFLOAT
         } else {
             vk::Format::R8G8B8A8_UNORM
         },
@@ -223,6 +230,24 @@ fn image(context: &Context, set: &TextureSet, class: &[usize]) -> Result<Image> 
     };
     let levels: Vec<&[u8]> = texels.iter().map(Vec::as_slice).collect();
     context.texture("texture class", &options, &levels)
+}
+
+/// An sRGB texel as linear half floats: some devices decode sRGB by a polynomial that is a seventh of a step off.
+fn linear_half(decode: &[f32; 256], word: u32) -> [u8; 8] {
+    let [r, g, b, a] = word.to_le_bytes();
+    let [r, g, b] = [r, g, b].map(|code| half_bits(decode[usize::from(code)]).to_le_bytes());
+    let a = half_bits(f32::from(a) / 255.0).to_le_bytes();
+    [r[0], r[1], g[0], g[1], b[0], b[1], a[0], a[1]]
+}
+
+/// The half float nearest to a value that is 0 or lies in [2^-14, 1].
+fn half_bits(value: f32) -> u16 {
+    if value <= 0.0 {
+        return 0;
+    }
+    let bits = value.to_bits();
+    let rounded = (bits + 0x0fff + ((bits >> 13) & 1)) >> 13;
+    (rounded - ((127 - 15) << 10)) as u16
 }
 
 /// What an unused class holds.
@@ -256,4 +281,26 @@ fn sampler(context: &Context, set: &TextureSet, id: usize) -> Result<Sampler> {
         mipmapped: record[5] & FLAG_NO_MIPS == 0,
         wrap: [wrap(record[4] & 3), wrap((record[4] >> 2) & 3)],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_floats_of_known_values() {
+        let known = [
+            (0.0, 0),
+            (1.0, 0x3c00),
+            (0.5, 0x3800),
+            (0.333_251_95, 0x3555),
+            (6.103_515_6e-5, 0x0400),
+        ];
+        for (value, bits) in known {
+            assert_eq!(half_bits(value), bits, "{value}");
+        }
+        // To nearest, ties to even.
+        assert_eq!(half_bits(1.0 - 1.0 / 8192.0), 0x3c00);
+        assert_eq!(half_bits(0.5 + 1.0 / 4096.0), 0x3800);
+    }
 }
