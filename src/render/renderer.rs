@@ -13,8 +13,10 @@ use super::shade::{
 };
 use super::{project, raster, resolve, shade};
 #[cfg(feature = "gpu")]
+use crate::Error;
+use crate::Result;
+#[cfg(feature = "gpu")]
 use crate::gpu;
-use crate::{Error, Result};
 
 /// What is written into the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
