@@ -243,6 +243,17 @@ fn a_flipped_bit_in_the_tables_is_noticed() {
     }
 }
 
+/// An empty list far outside of the table: a lookup takes its slice before it looks at the length.
+#[test]
+fn an_empty_list_outside_of_the_table_is_refused() {
+    let built = build(sphere(), Layout::Classic);
+    let triangles = built.scene.meshes[0].triangles.len();
+    let mut tables = built.meshes[0].tables.clone();
+    tables.validate(triangles).unwrap();
+    tables.hash[0] = 0x0080_0001;
+    assert!(tables.validate(triangles).is_err());
+}
+
 #[test]
 fn files_are_whole_or_absent() {
     let folder = tempfile::tempdir().unwrap();

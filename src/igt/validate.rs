@@ -86,6 +86,14 @@ impl Tables {
     }
 
     fn classic_fault(&self, triangles: usize) -> Option<(String, String)> {
+        // How many words before each place name no triangle (lengths of long lists may): every list is then one
+        // subtraction, however many texels share it.
+        let mut strange = Vec::with_capacity(self.list.len() + 1);
+        strange.push(0u32);
+        for word in &self.list {
+            let is_strange = (word & 0xff_ffff) as usize >= triangles;
+            strange.push(strange[strange.len() - 1] + u32::from(is_strange));
+        }
         let fault = self.hash.par_iter().position_first(|word| {
             let (mut start, mut length) = ((word & 0xff_ffff) as usize, (word >> 24) as usize);
             if length == LONG as usize {
@@ -94,15 +102,11 @@ impl Tables {
                 };
                 (start, length) = (start + 1, *stored as usize);
             }
-            length > 0
-                && self
-                    .list
-                    .get(start..start.saturating_add(length))
-                    .is_none_or(|entries| {
-                        entries
-                            .iter()
-                            .any(|e| (e & 0xff_ffff) as usize >= triangles)
-                    })
+            // An empty list must lie inside as well: a lookup takes the slice before it looks at its length.
+            match strange.get(start.saturating_add(length)) {
+                Some(end) => *end != strange[start],
+                None => true,
+            }
         });
         fault.map(|t| {
             (
