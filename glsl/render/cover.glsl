@@ -116,10 +116,10 @@ bool barycentric_of(Edges e, int sense, out vec3 b) {
     return false;
 }
 
-// Depth at barycentrics b; -1 outside 0..1 and behind the eye.
-float depth_at(Projected v0, Projected v1, Projected v2, vec3 b) {
-    precise float z = b.x * v0.z + b.y * v1.z + b.z * v2.z;
-    precise float w = b.x * v0.w + b.y * v1.w + b.z * v2.w;
+// Depth at barycentrics b after a step back in world units; -1 outside 0..1 and behind the eye.
+float depth_at(Projected v0, Projected v1, Projected v2, vec3 b, float back) {
+    precise float z = b.x * v0.z + b.y * v1.z + b.z * v2.z + back * view.away_z;
+    precise float w = b.x * v0.w + b.y * v1.w + b.z * v2.w + back * view.away_w;
     if (w > 1e-20) {
         precise float depth = z / w;
         if (depth >= 0.0 && depth < 1.0) {

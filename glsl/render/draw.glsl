@@ -39,7 +39,15 @@ layout(push_constant) uniform View {
     uint flags;
     uint draw_count;
     uint vertex_count;
+    float away_z;
+    float away_w;
 } view;
+
+// Twin of DrawRecord::step_back: how far a triangle seen with `sense` steps back before depths are compared, given the
+// handedness and the slack of its draw.
+float step_back(int sense, vec2 handed_slack) {
+    return float(sense) * handed_slack.x > 0.0 ? handed_slack.y : 0.0;
+}
 
 // row . (p, 1), summed from x on.
 float affine(vec4 row, vec3 p) {

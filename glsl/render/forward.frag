@@ -32,6 +32,7 @@ layout(location = 4) in vec3 world;
 layout(location = 0) out vec4 colour;
 layout(location = 1) out uvec4 ids;
 layout(location = 2) out uint fetches;
+layout(depth_greater) out float gl_FragDepth;
 
 uvec4 igt_attribute_triangle(uint i) { return attribute_triangles.triangles[i]; }
 float igt_attribute_float(uint i) { return attribute_vertices.words[i]; }
@@ -106,8 +107,17 @@ void main() {
         discard;
     }
     // Counter-clockwise is the front; a mirroring transform turns it.
-    if ((gl_FrontFacing ? -1.0 : 1.0) * draws.records[draw].normal[0].w > 0.0) {
+    int sense = gl_FrontFacing ? -1 : 1;
+    vec2 handed_slack = vec2(draws.records[draw].normal[0].w, draws.records[draw].normal[1].w);
+    if (float(sense) * handed_slack.x > 0.0) {
         surface.normal = -surface.normal;
+    }
+    // As the deferred path has it, from z / w and 1 / w. No step, no arithmetic: fronts keep their depth to the bit.
+    float back = step_back(sense, handed_slack);
+    gl_FragDepth = gl_FragCoord.z;
+    if (back > 0.0) {
+        float stepped = (gl_FragCoord.z + back * view.away_z * gl_FragCoord.w) / (1.0 + back * view.away_w * gl_FragCoord.w);
+        gl_FragDepth = max(gl_FragCoord.z, min(stepped, 1.0));
     }
     colour = (view.flags & 3u) == 2u ? vec4(surface.normal * 0.5 + 0.5, 1.0) : vec4(radiance(surface, world), 1.0);
 }

@@ -6,6 +6,7 @@
 layout(std430, binding = 2) readonly buffer ProjectedVertices { Projected vertices[]; } projected;
 
 layout(location = 0) flat in uvec4 triangle;
+layout(location = 1) flat in vec2 handed_slack;
 layout(location = 0) out uint id;
 
 void main() {
@@ -18,7 +19,7 @@ void main() {
     if (sense == 0 || !barycentric_of(e, sense, b)) {
         discard;
     }
-    float depth = depth_at(v0, v1, v2, b);
+    float depth = depth_at(v0, v1, v2, b, step_back(sense, handed_slack));
     if (depth < 0.0) {
         discard;
     }

@@ -9,6 +9,7 @@ layout(std430, binding = 1) readonly buffer Corners { uvec4 triangles[]; } corne
 layout(std430, binding = 2) readonly buffer ProjectedVertices { Projected vertices[]; } projected;
 
 layout(location = 0) flat out uvec4 triangle;
+layout(location = 1) flat out vec2 handed_slack;
 
 uint draw_of_triangle(uint id) {
     uint low = 0u;
@@ -31,6 +32,7 @@ void main() {
     uint shift = draws.records[draw].projected_base - draws.records[draw].vertex_base;
     uvec3 v = corners.triangles[draws.records[draw].corner_base + id - draws.records[draw].first_triangle].xyz + shift;
     triangle = uvec4(v, id);
+    handed_slack = vec2(draws.records[draw].normal[0].w, draws.records[draw].normal[1].w);
     ivec4 box;
     if (!bounds_of(projected.vertices[v.x], projected.vertices[v.y], projected.vertices[v.z], box)) {
         gl_Position = vec4(-2.0, -2.0, 0.0, 1.0);

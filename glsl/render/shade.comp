@@ -198,7 +198,7 @@ void main() {
     drawn.vertex = corner.xyz;
     drawn.layer = corner.w;
     Correspondence found = correspond(draw, drawn);
-    float depth = depth_at(v0, v1, v2, drawn.b);
+    float depth = depth_at(v0, v1, v2, drawn.b, 0.0);
     uint triangle = NOTHING;
     vec2 b = vec2(0.0);
     IgtSurface surface = unknown_surface();

@@ -5,11 +5,9 @@
 //! measurement, so the true distance can be a little larger between samples, but unlike the simplifier's own figure
 //! it is a distance.
 
+use super::tree::Tree;
 use glam::Vec3;
 use rayon::prelude::*;
-
-/// Triangles in a leaf of the tree.
-const LEAF: usize = 4;
 
 /// Distances between two surfaces, in the unit of their positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,14 +23,17 @@ pub type Surface<'a> = (&'a [[f32; 3]], &'a [[u32; 3]]);
 
 /// The distance between `reference` and `lod`; zero where either has no triangles.
 pub fn deviation(reference: Surface<'_>, lod: Surface<'_>) -> Deviation {
-    let (Some(to_reference), Some(to_lod)) = (Tree::new(reference), Tree::new(lod)) else {
+    let (Some(to_reference), Some(to_lod)) = (tree(reference), tree(lod)) else {
         return Deviation::default();
     };
-    let squared = |tree: &Tree, points: Vec<Vec3>| -> (f32, f64, usize) {
+    let squared = |tree: &Tree<()>, points: Vec<Vec3>| -> (f32, f64, usize) {
         let count = points.len();
         let (max, sum) = points
             .into_par_iter()
-            .map(|point| tree.squared_distance(point))
+            .map(|point| {
+                let near = tree.nearest(point, f32::INFINITY, |()| true);
+                near.map_or(0.0, |(near, ())| near.distance_squared(point))
+            })
             .fold(
                 || (0.0f32, 0.0f64),
                 |(max, sum), d| (max.max(d), sum + f64::from(d)),
@@ -47,6 +48,10 @@ pub fn deviation(reference: Surface<'_>, lod: Surface<'_>) -> Deviation {
         max: there.0.max(back.0).sqrt(),
         rms: mean.sqrt() as f32,
     }
+}
+
+fn tree((positions, triangles): Surface<'_>) -> Option<Tree<()>> {
+    Tree::new(positions, triangles, |_| ())
 }
 
 /// Vertices that a triangle uses; others are not part of the surface.
@@ -81,124 +86,6 @@ fn lod_samples((positions, triangles): Surface<'_>) -> Vec<Vec3> {
             ]
         })
         .collect()
-}
-
-/// A binary tree of boxes over triangles, as flat arrays; children follow their parent.
-struct Tree {
-    nodes: Vec<Node>,
-    triangles: Vec<[Vec3; 3]>,
-}
-
-/// A box; `count` triangles from `first`, or, when `count` is 0, the next node and node `first` as children.
-struct Node {
-    low: Vec3,
-    high: Vec3,
-    first: u32,
-    count: u32,
-}
-
-impl Tree {
-    fn new((positions, triangles): Surface<'_>) -> Option<Self> {
-        let mut triangles: Vec<[Vec3; 3]> = triangles
-            .iter()
-            .map(|t| t.map(|v| Vec3::from(positions[v as usize])))
-            .collect();
-        let mut nodes = Vec::with_capacity(triangles.len() / 2 + 1);
-        (!triangles.is_empty()).then(|| {
-            split(&mut triangles, 0, &mut nodes);
-            Tree { nodes, triangles }
-        })
-    }
-
-    fn squared_distance(&self, point: Vec3) -> f32 {
-        let mut best = f32::INFINITY;
-        let mut stack = vec![0usize];
-        while let Some(at) = stack.pop() {
-            let node = &self.nodes[at];
-            if box_distance(node, point) >= best {
-                continue;
-            }
-            if node.count > 0 {
-                let leaf = &self.triangles[node.first as usize..(node.first + node.count) as usize];
-                for triangle in leaf {
-                    best = best.min(closest_point(triangle, point).distance_squared(point));
-                }
-                continue;
-            }
-            let (left, right) = (at + 1, node.first as usize);
-            // The nearer child last, so that it is opened first.
-            if box_distance(&self.nodes[left], point) < box_distance(&self.nodes[right], point) {
-                stack.extend([right, left]);
-            } else {
-                stack.extend([left, right]);
-            }
-        }
-        best
-    }
-}
-
-/// Splits at the median of the longest side, so the depth is logarithmic whatever the triangles look like.
-fn split(triangles: &mut [[Vec3; 3]], first: usize, nodes: &mut Vec<Node>) {
-    let points = || triangles.iter().flatten();
-    let low = points().fold(Vec3::INFINITY, |low, &p| low.min(p));
-    let high = points().fold(Vec3::NEG_INFINITY, |high, &p| high.max(p));
-    let at = nodes.len();
-    nodes.push(Node {
-        low,
-        high,
-        first: first as u32,
-        count: triangles.len() as u32,
-    });
-    if triangles.len() <= LEAF {
-        return;
-    }
-    let axis = (high - low).max_position();
-    let middle = triangles.len() / 2;
-    let key = |t: &[Vec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
-    triangles.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)));
-    let (left, right) = triangles.split_at_mut(middle);
-    split(left, first, nodes);
-    nodes[at].first = nodes.len() as u32;
-    nodes[at].count = 0;
-    split(right, first + middle, nodes);
-}
-
-fn box_distance(node: &Node, point: Vec3) -> f32 {
-    point.distance_squared(point.clamp(node.low, node.high))
-}
-
-/// The point of a triangle closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
-fn closest_point([a, b, c]: &[Vec3; 3], p: Vec3) -> Vec3 {
-    let (ab, ac) = (b - a, c - a);
-    let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return *a;
-    }
-    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
-    if d3 >= 0.0 && d4 <= d3 {
-        return *b;
-    }
-    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
-    if d6 >= 0.0 && d5 <= d6 {
-        return *c;
-    }
-    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + ab * (d1 / (d1 - d3));
-    }
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + ac * (d2 / (d2 - d6));
-    }
-    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-    }
-    // A triangle without area reaches this only by rounding; any of its points is then as close as can be told.
-    let sum = va + vb + vc;
-    if sum > 0.0 {
-        a + ab * (vb / sum) + ac * (vc / sum)
-    } else {
-        *a
-    }
 }
 
 #[cfg(test)]
@@ -253,27 +140,6 @@ mod tests {
             (there.max - 0.3).abs() < 1e-6 && (back.max - 0.3).abs() < 1e-6,
             "{there:?} {back:?}"
         );
-    }
-
-    #[test]
-    fn the_tree_agrees_with_brute_force() {
-        let (positions, triangles) = sheet(13, |x, y| (9.0 * x).sin() * (7.0 * y).cos() * 0.2);
-        let tree = Tree::new((&positions, &triangles)).unwrap();
-        for i in 0..500 {
-            let t = i as f32;
-            let p = Vec3::new(
-                (t * 0.731).fract() * 2.0 - 0.5,
-                (t * 0.377).fract() * 2.0 - 0.5,
-                (t * 0.913).fract() - 0.5,
-            );
-            let all = triangles
-                .iter()
-                .map(|t| t.map(|v| Vec3::from(positions[v as usize])));
-            let brute = all
-                .map(|t| closest_point(&t, p).distance_squared(p))
-                .fold(f32::INFINITY, f32::min);
-            assert_eq!(tree.squared_distance(p), brute);
-        }
     }
 
     #[test]

@@ -5,7 +5,8 @@
 //! artist uv.
 //!
 //! ```text
-//! reference meshes --joint--> one welded mesh in world space --simplify--> fewer triangles --split--> Lod per mesh
+//! reference meshes --joint--> one welded mesh in world space --simplify--> fewer triangles
+//!                  --order--> what lay over what lies there again --split--> Lod per mesh
 //! ```
 //!
 //! One simplification over everything, because budgets per part ruin silhouettes: what is flat pays for what is curved.
@@ -15,8 +16,10 @@
 
 pub mod deviation;
 mod joint;
+mod order;
 mod simplify;
 mod split;
+mod tree;
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
@@ -78,10 +81,12 @@ pub fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>
         });
     }
     let joint = joint::Joint::new(meshes);
+    let order = order::Order::new(&joint);
     let levels: Vec<Vec<Lod>> = fractions
         .par_iter()
         .map(|&fraction| {
-            let simplified = simplify::simplify(&joint, fraction);
+            let mut simplified = simplify::simplify(&joint, fraction);
+            order.restore(&mut simplified);
             (0..meshes.len())
                 .into_par_iter()
                 .map(|m| split::split(meshes, &joint, &simplified, m))

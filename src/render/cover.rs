@@ -133,10 +133,10 @@ fn owned(step: [f32; 2], sense: f32) -> bool {
     y < 0.0 || (y == 0.0 && x > 0.0)
 }
 
-/// Depth in 0..1 at barycentrics `b`; none outside, and none behind the eye.
-pub(crate) fn depth(corner: &[Projected; 3], b: [f32; 3]) -> Option<f32> {
-    let z = b[0] * corner[0].z + b[1] * corner[1].z + b[2] * corner[2].z;
-    let w = b[0] * corner[0].w + b[1] * corner[1].w + b[2] * corner[2].w;
+/// Depth in 0..1 at barycentrics `b` after a `step` in clip-space depth and w; none outside, and none behind the eye.
+pub(crate) fn depth(corner: &[Projected; 3], b: [f32; 3], step: [f32; 2]) -> Option<f32> {
+    let z = b[0] * corner[0].z + b[1] * corner[1].z + b[2] * corner[2].z + step[0];
+    let w = b[0] * corner[0].w + b[1] * corner[1].w + b[2] * corner[2].w + step[1];
     if w > 1e-20 {
         let depth = z / w;
         (0.0..1.0).contains(&depth).then_some(depth)
@@ -308,7 +308,10 @@ mod tests {
                     .filter(|t| {
                         let e = edges(t, x, y);
                         let sense = e.covers();
-                        sense != 0 && e.barycentric(sense).and_then(|b| depth(t, b)).is_some()
+                        sense != 0
+                            && e.barycentric(sense)
+                                .and_then(|b| depth(t, b, [0.0; 2]))
+                                .is_some()
                     })
                     .collect();
                 // Below the horizon the floor, once; above it nothing, though its mirror image would project there.

@@ -185,6 +185,8 @@ impl Device {
             flags: view.flags,
             draw_count: self.draw_count,
             vertex_count: self.vertex_count,
+            away_z: view.away[0],
+            away_w: view.away[1],
         }
     }
 

@@ -11,7 +11,8 @@ use super::camera::Camera;
 pub(crate) struct DrawRecord {
     /// Rows of object to world space.
     pub world: [[f32; 4]; 3],
-    /// Rows of the transform of normals (inverse transpose); the fourth of the first row is the handedness of `world`.
+    /// Rows of the transform of normals (inverse transpose); the fourth of the first row is the handedness of `world`,
+    /// of the second one the slack: how far the drawn surface may lie from the reference, in world units.
     pub normal: [[f32; 4]; 3],
     /// Number of this draw's first triangle in the picture.
     pub first_triangle: u32,
@@ -70,6 +71,8 @@ pub(crate) struct ViewConstants {
     pub height: u32,
     /// What is written: see [`super::shade`].
     pub flags: u32,
+    /// What a step of one world unit away from the eye adds to clip-space depth and w.
+    pub away: [f32; 2],
 }
 
 /// The light of lit shading.
@@ -103,13 +106,37 @@ impl ViewConstants {
                 .to_array()
         });
         let [x, y, z] = toward.map(|c| c * light.intensity);
+        let rows = camera.pixel_rows();
         ViewConstants {
-            rows: camera.pixel_rows(),
+            away: away(&rows),
+            rows,
             eye: camera.eye(),
             light: [x, y, z, light.ambient],
             width: camera.width,
             height: camera.height,
             flags,
+        }
+    }
+}
+
+/// Depth's and w's growth along the direction of sight: that of w in perspective, of depth where w is constant.
+fn away([_, _, z, w]: &[[f32; 4]; 4]) -> [f32; 2] {
+    let [z, w] = [z, w].map(|row| glam::DVec3::new(row[0].into(), row[1].into(), row[2].into()));
+    let sight = if w.length() > 0.0 { w } else { z }.normalize_or_zero();
+    [z.dot(sight) as f32, w.dot(sight) as f32]
+}
+
+impl DrawRecord {
+    /// How far the triangle that is seen with `sense` steps back in world units before depths are compared: by the
+    /// slack where its back is seen (counter-clockwise is the front, pixels have y down, mirroring turns it again).
+    ///
+    /// A thin wall of a level of detail may have both its faces in one place, or even crossed. The reference shows its
+    /// outside there, and so must the level: within the slack a front always wins over a back.
+    pub(crate) fn step_back(&self, sense: i32) -> f32 {
+        if sense as f32 * self.normal[0][3] > 0.0 {
+            self.normal[1][3]
+        } else {
+            0.0
         }
     }
 }

@@ -162,6 +162,8 @@ impl Forward {
             flags: view.flags,
             draw_count: self.draw_count,
             vertex_count: 0,
+            away_z: view.away[0],
+            away_w: view.away[1],
         }
     }
 }

@@ -13,12 +13,13 @@ use glam::{DMat3, DMat4};
 use std::sync::Arc;
 
 /// A geometry of a picture: where its arrays lie.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
     vertex_base: u32,
     vertex_count: u32,
     corner_base: u32,
     triangle_count: u32,
+    slack: f32,
 }
 
 /// Flat arrays of all geometries, draws and attributes.
@@ -58,15 +59,18 @@ impl Picture {
         }
     }
 
-    /// Adds positions and triangles. `t3` and `layers` are empty for a geometry that is its own reference.
+    /// Adds positions and triangles. `t3` and `layers` are empty for a geometry that is its own reference; `slack` is how
+    /// far a level of detail may lie from its reference, in the unit of positions.
     pub fn add_geometry(
         &mut self,
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
         t3: &[[i32; 3]],
         layers: &[u8],
+        slack: f32,
     ) -> Result<Geometry> {
         let geometry = Geometry {
+            slack,
             vertex_base: within(
                 "vertices of a picture",
                 self.positions.len() + positions.len(),
@@ -149,6 +153,7 @@ impl Picture {
             ..DrawRecord::default()
         };
         (record.world, record.normal) = transforms(world)?;
+        record.normal[1][3] = (f64::from(geometry.slack) * largest_stretch(world)) as f32;
         record.igt = tables.map_or([0; 16], |number| self.igt_words(number));
         let triangles = self.triangles as usize + geometry.triangle_count as usize;
         self.triangles = within("drawn triangles", triangles, 0)?;
@@ -208,6 +213,15 @@ fn within(what: &str, total: usize, added: usize) -> Result<u32> {
         });
     }
     Ok((total - added) as u32)
+}
+
+/// The most that a transform stretches an axis.
+fn largest_stretch(world: DMat4) -> f64 {
+    let columns = DMat3::from_mat4(world);
+    [columns.x_axis, columns.y_axis, columns.z_axis]
+        .iter()
+        .map(|c| c.length())
+        .fold(0.0, f64::max)
 }
 
 /// Rows of object to world, and rows of the transform of normals with the handedness in the first one's fourth.

@@ -1,7 +1,7 @@
 //! Pass *raster*: which triangle each pixel shows. Twin of `glsl/render/raster.vert` and `raster.frag`.
 //!
 //! In: projected vertices and the draws. Out: for each pixel the number of the nearest triangle in the picture, the
-//! last of equals (as the depth test LESS_OR_EQUAL has it). The CPU walks bands of rows on all cores, each band all
+//! last of equals (as the depth test LESS_OR_EQUAL has it); backs stand behind ([`DrawRecord::step_back`]). The CPU walks bands of rows on all cores, each band all
 //! triangles in order.
 
 use super::cover::{bounds, depth, edges};
@@ -33,10 +33,18 @@ pub(crate) fn cpu(
                 .filter(|b| b.area[2] <= last && b.area[3] >= first)
             {
                 let corner = seen.vertex.map(|v| projected[v as usize]);
+                let step = |sense: i32| {
+                    let by = draws[seen.draw].step_back(sense);
+                    view.away.map(|a| by * a)
+                };
                 for y in seen.area[2].max(first)..=seen.area[3].min(last) {
                     for x in seen.area[0]..=seen.area[1] {
                         let at = (y - first) as usize * width + x as usize;
-                        test(&corner, x, y, seen.id, &mut nearest[at], &mut ids[at]);
+                        if let Some(depth) = depth_at(&corner, x, y, step)
+                            && depth <= nearest[at]
+                        {
+                            (nearest[at], ids[at]) = (depth, seen.id);
+                        }
                     }
                 }
             }
@@ -44,22 +52,25 @@ pub(crate) fn cpu(
     ids
 }
 
-fn test(corner: &[Projected; 3], x: i32, y: i32, id: u32, nearest: &mut f32, owner: &mut u32) {
+/// Depth of a triangle where it covers a pixel, after the step that `step` gives for the sense in which it is seen.
+fn depth_at(
+    corner: &[Projected; 3],
+    x: i32,
+    y: i32,
+    step: impl Fn(i32) -> [f32; 2],
+) -> Option<f32> {
     let edges = edges(corner, x, y);
     let sense = edges.covers();
     if sense == 0 {
-        return;
+        return None;
     }
-    if let Some(depth) = edges.barycentric(sense).and_then(|b| depth(corner, b))
-        && depth <= *nearest
-    {
-        (*nearest, *owner) = (depth, id);
-    }
+    depth(corner, edges.barycentric(sense)?, step(sense))
 }
 
 /// A triangle that may be seen.
 struct Seen {
     id: u32,
+    draw: usize,
     vertex: [u32; 3],
     area: [i32; 4],
 }
@@ -71,7 +82,7 @@ fn boxes(
     projected: &[Projected],
 ) -> Vec<Seen> {
     let mut out = Vec::new();
-    for draw in draws {
+    for (number, draw) in draws.iter().enumerate() {
         let first = draw.corner_base as usize;
         let triangles = &corners[first..first + draw.triangle_count as usize];
         out.par_extend(
@@ -87,6 +98,7 @@ fn boxes(
                         view.height,
                     )?;
                     Some(Seen {
+                        draw: number,
                         id: draw.first_triangle + local as u32,
                         vertex,
                         area,

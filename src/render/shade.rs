@@ -129,7 +129,7 @@ fn shade(
         layer: corner[3],
     };
     let found = correspond::find(picture, draw, &drawn);
-    let depth = super::cover::depth(&seen, b).unwrap_or(1.0);
+    let depth = super::cover::depth(&seen, b, [0.0; 2]).unwrap_or(1.0);
     let world = world_position(picture, draw, vertex, b);
     let (linear, rgba8) = colour(
         picture,

@@ -106,14 +106,14 @@ impl Staging {
             .as_ref()
             .filter(|_| correspond != Correspond::Reference);
         let Some(tables) = inverse else {
-            return self.own(reference);
+            return self.own(reference, 0.0);
         };
         let lod = match subject.lod {
             Some(lod) => placed_lod(lod, palette),
             None => level_zero(mesh, reference, tables, subject.layers),
         };
         if correspond == Correspond::Plain {
-            return self.own(&plain::mesh(reference, &lod, tables));
+            return self.own(&plain::mesh(reference, &lod, tables), lod.error);
         }
         let base = self.attributes().push_mesh(reference)?;
         let geometry = self.picture.add_geometry(
@@ -121,17 +121,18 @@ impl Staging {
             &lod.triangles,
             &lod.t3,
             &lod.triangle_layer,
+            lod.error,
         )?;
         let tables = self.picture.add_tables(Arc::clone(tables));
         Ok((geometry, base, Some(tables)))
     }
 
-    /// A mesh that is its own reference.
-    fn own(&mut self, mesh: &Mesh) -> Result<Ready> {
+    /// A mesh that is its own reference, or (`slack`) a level of detail with attributes of its own.
+    fn own(&mut self, mesh: &Mesh, slack: f32) -> Result<Ready> {
         let base = self.attributes().push_mesh(mesh)?;
-        let geometry = self
-            .picture
-            .add_geometry(&mesh.positions, &mesh.triangles, &[], &[])?;
+        let geometry =
+            self.picture
+                .add_geometry(&mesh.positions, &mesh.triangles, &[], &[], slack)?;
         Ok((geometry, base, None))
     }
 

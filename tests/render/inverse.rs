@@ -87,7 +87,13 @@ pub(crate) fn picture(all: &[&Inverse]) -> Picture {
     for (k, (i, base)) in all.iter().zip(bases).enumerate() {
         let lod = &i.lod;
         let geometry = picture
-            .add_geometry(&lod.positions, &lod.triangles, &lod.t3, &lod.triangle_layer)
+            .add_geometry(
+                &lod.positions,
+                &lod.triangles,
+                &lod.t3,
+                &lod.triangle_layer,
+                lod.error,
+            )
             .unwrap();
         let tables = picture.add_tables(Arc::clone(&i.tables));
         let world = DMat4::from_translation(glam::DVec3::new(1.7 * k as f64, 0.0, 0.0));

@@ -74,7 +74,7 @@ pub(crate) fn picture(meshes: &[(&Mesh, glam::DMat4)]) -> Picture {
     let mut picture = Picture::new(attributes);
     for ((mesh, world), base) in meshes.iter().zip(bases) {
         let geometry = picture
-            .add_geometry(&mesh.positions, &mesh.triangles, &[], &[])
+            .add_geometry(&mesh.positions, &mesh.triangles, &[], &[], 0.0)
             .unwrap();
         picture.draw(geometry, base, None, *world).unwrap();
     }
