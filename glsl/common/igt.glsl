@@ -15,8 +15,12 @@
 
 #define IGT_LAYOUT_PACKED 0u
 #define IGT_LAYOUT_CLASSIC 1u
-// Asks for any layer.
-#define IGT_ANY_LAYER 0xffffffffu
+// Who asks: the layer of the LoD triangle's part in bits 0..7, or this flag for any;
+#define IGT_ANY_LAYER 0x80000000u
+// and the side it shows in bits 8..9 (0: any), see Asker in src/igt/lookup.rs.
+#define IGT_SIDE_FRONT 0x100u
+#define IGT_SIDE_BACK 0x200u
+#define IGT_SIDES 0x300u
 // IgtFound.triangle where nothing is mapped.
 #define IGT_NOTHING 0xffffffffu
 
@@ -99,21 +103,28 @@ bool igt_better(IgtCandidate a, IgtCandidate b) {
     return a.triangle < b.triangle;
 }
 
-void igt_consider(IgtTables t, ivec3 q, uint layer, bool nearest, uint triangle, IgtTriangle r, inout IgtCandidate best) {
-    uint other = layer != IGT_ANY_LAYER && layer != r.layer ? 2u : 0u;
+// 1 where the asker shows one side and the hit the other.
+uint igt_turned(uint asker, int sense) {
+    uint side = asker & IGT_SIDES;
+    return uint(side == (sense > 0 ? IGT_SIDE_BACK : IGT_SIDE_FRONT));
+}
+
+void igt_consider(IgtTables t, ivec3 q, uint asker, bool nearest, uint triangle, IgtTriangle r, inout IgtCandidate best) {
+    uint other = (asker & IGT_ANY_LAYER) == 0u && (asker & 255u) != r.layer ? 4u : 0u;
     IgtCandidate c;
     c.triangle = triangle;
     if (nearest) {
         vec3 w0 = igt_scaled(igt_offset(r.v0, q)), w1 = igt_scaled(igt_offset(r.v1, q)), w2 = igt_scaled(igt_offset(r.v2, q));
-        c.rank = other + 1u;
+        c.rank = other + 2u;
         c.barycentric = igt_nearest(w0, w1, w2);
         vec3 p = igt_combine(c.barycentric, w0, w1, w2);
         c.distance2 = igt_dot(p, p);
     } else {
         uvec3 sides[3];
-        if (!igt_hit(t.line, q, r.v0, r.v1, r.v2, sides)) return;
+        int sense = igt_hit(t.line, q, r.v0, r.v1, r.v2, sides);
+        if (sense == 0) return;
         vec3 w0 = igt_scaled(igt_offset(r.v0, q)), w1 = igt_scaled(igt_offset(r.v1, q)), w2 = igt_scaled(igt_offset(r.v2, q));
-        c.rank = other;
+        c.rank = other + igt_turned(asker, sense);
         c.barycentric = igt_barycentric(sides);
         vec3 p = igt_combine(c.barycentric, w0, w1, w2);
         c.distance2 = igt_dot(p, p);
@@ -121,8 +132,8 @@ void igt_consider(IgtTables t, ivec3 q, uint layer, bool nearest, uint triangle,
     if (igt_better(c, best)) best = c;
 }
 
-// One walk over the texel's list: hits (ranks 0 and 2) or nearest points (ranks 1 and 3).
-void igt_scan(IgtTables t, ivec3 q, uint layer, bool nearest, inout IgtCandidate best, inout uint fetches) {
+// One walk over the texel's list: hits (ranks 0, 1, 4, 5) or nearest points (ranks 2 and 6).
+void igt_scan(IgtTables t, ivec3 q, uint asker, bool nearest, inout IgtCandidate best, inout uint fetches) {
     uvec2 at = igt_texel(t.line, t.bits, q);
     uint texel = at.y << t.bits | at.x;
     fetches += 1u;
@@ -139,7 +150,7 @@ void igt_scan(IgtTables t, ivec3 q, uint layer, bool nearest, inout IgtCandidate
             fetches += 1u;
             IgtTriangle r = igt_load_triangle(t, entry & 0xffffffu, fetches);
             r.layer = entry >> 24;
-            igt_consider(t, q, layer, nearest, entry & 0xffffffu, r, best);
+            igt_consider(t, q, asker, nearest, entry & 0xffffffu, r, best);
         }
         return;
     }
@@ -149,7 +160,7 @@ void igt_scan(IgtTables t, ivec3 q, uint layer, bool nearest, inout IgtCandidate
     while (true) {
         uint triangle = entry & 0x7fffffffu;
         IgtTriangle r = igt_load_triangle(t, triangle, fetches);
-        igt_consider(t, q, layer, nearest, triangle, r, best);
+        igt_consider(t, q, asker, nearest, triangle, r, best);
         if ((entry & 0x80000000u) != 0u) return;
         entry = igt_load_list(next);
         next += 1u;
@@ -157,16 +168,16 @@ void igt_scan(IgtTables t, ivec3 q, uint layer, bool nearest, inout IgtCandidate
     }
 }
 
-// The reference point that q (query grid) stands for. layer: the part of the LoD triangle that asks, or IGT_ANY_LAYER.
-// nearest: whether points outside every chart get the nearest listed one.
-IgtFound igt_lookup(IgtTables t, ivec3 q, uint layer, bool nearest) {
-    IgtCandidate best = IgtCandidate(4u, 0.0, IGT_NOTHING, vec3(0.0));
+// The reference point that q (query grid) stands for. asker: layer and side of the LoD triangle that asks, or
+// IGT_ANY_LAYER. nearest: whether points outside every chart get the nearest listed one.
+IgtFound igt_lookup(IgtTables t, ivec3 q, uint asker, bool nearest) {
+    IgtCandidate best = IgtCandidate(8u, 0.0, IGT_NOTHING, vec3(0.0));
     uint fetches = 0u;
     // A loop, so that a compiler that inlines everything holds one copy of the walk.
-    for (uint pass = 0u; pass < (nearest ? 2u : 1u) && best.rank > 0u; pass++) {
-        igt_scan(t, q, layer, pass == 1u, best, fetches);
+    for (uint pass = 0u; pass < (nearest ? 2u : 1u) && best.rank > 1u; pass++) {
+        igt_scan(t, q, asker, pass == 1u, best, fetches);
     }
-    return IgtFound(best.triangle, best.barycentric, fetches, (best.rank & 1u) == 0u && best.rank < 4u);
+    return IgtFound(best.triangle, best.barycentric, fetches, (best.rank & 2u) == 0u && best.rank < 8u);
 }
 
 #endif

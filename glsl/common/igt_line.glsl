@@ -122,22 +122,23 @@ bool igt_facing(uint line, ivec3 q, ivec3 v0, ivec3 v1, ivec3 v2, int s) {
     return line == IGT_LINE_CYLINDER && area != 0 && -area == s;
 }
 
-// Whether the projection line through q meets the triangle; side products in `sides`.
-bool igt_hit(uint line, ivec3 q, ivec3 v0, ivec3 v1, ivec3 v2, out uvec3 sides[3]) {
+// The sense (1 or -1) in which the projection line through q meets the triangle, 0 where it does not; side products in
+// `sides`.
+int igt_hit(uint line, ivec3 q, ivec3 v0, ivec3 v1, ivec3 v2, out uvec3 sides[3]) {
     ivec3 d = igt_direction(line, q);
     ivec3 w0 = igt_offset(v0, q), w1 = igt_offset(v1, q), w2 = igt_offset(v2, q);
     sides[0] = igt_side(line, d, w1, w2);
     int s0 = igt_sign96(sides[0]);
     if (s0 == 0) s0 = igt_tie(line, d, q, v1, v2);
-    if (s0 == 0) return false;
+    if (s0 == 0) return 0;
     sides[1] = igt_side(line, d, w2, w0);
     int s1 = igt_sign96(sides[1]);
     if (s1 == 0) s1 = igt_tie(line, d, q, v2, v0);
-    if (s1 != s0) return false;
+    if (s1 != s0) return 0;
     sides[2] = igt_side(line, d, w0, w1);
     int s2 = igt_sign96(sides[2]);
     if (s2 == 0) s2 = igt_tie(line, d, q, v0, v1);
-    return s2 == s0 && igt_facing(line, q, v0, v1, v2, s0);
+    return s2 == s0 && igt_facing(line, q, v0, v1, v2, s0) ? s0 : 0;
 }
 
 vec3 igt_barycentric(uvec3 sides[3]) {

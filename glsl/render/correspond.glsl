@@ -15,7 +15,7 @@ struct Drawn {
     bool has_by;
     uint local;
     uvec3 vertex;
-    uint layer;
+    uint asker;
 };
 
 struct Correspondence {
@@ -81,7 +81,7 @@ Correspondence identity(uint draw, Drawn drawn) {
 
 // Through the inverse geometric texture: the reference point of `query`, and its way to the points of the neighbouring
 // pixels' queries.
-Correspondence inverse_at(uint draw, uint layer, ivec3 query, ivec3 query_x, ivec3 query_y, bool has_x, bool has_y) {
+Correspondence inverse_at(uint draw, uint asker, ivec3 query, ivec3 query_x, ivec3 query_y, bool has_x, bool has_y) {
     igt_hash_base = draws.records[draw].igt[1];
     igt_list_base = draws.records[draw].igt[2];
     igt_triangle_base = draws.records[draw].igt[3];
@@ -91,7 +91,7 @@ Correspondence inverse_at(uint draw, uint layer, ivec3 query, ivec3 query_x, ive
     tables.flat_t3 = draws.records[draw].igt[6];
     tables.bits = draws.records[draw].igt[7];
     query = clamp(query, ivec3(-QUERY_MAX), ivec3(QUERY_MAX));
-    IgtFound found = igt_lookup(tables, query, layer, true);
+    IgtFound found = igt_lookup(tables, query, asker, true);
     Correspondence r;
     r.fetches = found.fetches;
     r.known = found.triangle != IGT_NOTHING;
@@ -141,7 +141,7 @@ Correspondence correspond(uint draw, Drawn drawn) {
     ivec3 query = query_point(v0, v1, v2, drawn.b);
     ivec3 query_x = query_point(v0, v1, v2, drawn.bx);
     ivec3 query_y = query_point(v0, v1, v2, drawn.by);
-    return inverse_at(draw, drawn.layer, query, query_x, query_y, drawn.has_bx, drawn.has_by);
+    return inverse_at(draw, drawn.asker, query, query_x, query_y, drawn.has_bx, drawn.has_by);
 }
 #endif
 

@@ -8,7 +8,7 @@ layout(std430, binding = 1) readonly buffer Corners { uvec4 triangles[]; } corne
 layout(std430, binding = 2) readonly buffer Positions { float words[]; } positions;
 layout(std430, binding = 3) readonly buffer T3 { ivec4 points[]; } t3;
 
-// Number of the triangle in its draw, the draw, the layer.
+// Number of the triangle in its draw, the draw, the asker.
 layout(location = 0) flat out uvec3 triangle;
 // T3 of the triangle's first vertex, on the query grid; and the way from there, which is small enough for floats.
 layout(location = 1) flat out ivec3 origin;

@@ -196,7 +196,7 @@ void main() {
     }
     drawn.local = local;
     drawn.vertex = corner.xyz;
-    drawn.layer = corner.w;
+    drawn.asker = corner.w;
     Correspondence found = correspond(draw, drawn);
     float depth = depth_at(v0, v1, v2, drawn.b, 0.0);
     uint triangle = NOTHING;

@@ -23,7 +23,7 @@ mod validate;
 
 pub use build::build_cpu;
 pub use gutter::{Asking, Needs};
-pub use lookup::Found;
+pub use lookup::{Asker, Found, askers};
 pub use reference::Reference;
 
 use crate::error::{Error, Result};

@@ -132,6 +132,8 @@ fn half(bits: u32, u: u32, length: u32, negative: bool) -> u32 {
 pub struct Hit {
     /// `D_i`: proportional to the barycentric coordinates.
     pub sides: [i128; 3],
+    /// 1 or -1: their sign, the sense in which the line meets the triangle.
+    pub sense: i32,
 }
 
 /// Whether the projection line through `q` meets `triangle`, with ties broken so that a one-to-one surface has exactly
@@ -153,7 +155,7 @@ pub fn hit(line: Line, q: [i32; 3], triangle: &GridTriangle) -> Option<Hit> {
         }
         sign = s;
     }
-    (facing(line, q, triangle, sign)).then_some(Hit { sides })
+    facing(line, q, triangle, sign).then_some(Hit { sides, sense: sign })
 }
 
 /// vertex - query, on the query grid: below 2^30 in size.
@@ -229,6 +231,27 @@ fn facing(line: Line, q: [i32; 3], triangle: &GridTriangle, sign: i32) -> bool {
     let [a, b, c] = triangle.map(|p| p.map(|x| x as i64));
     let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     line == Line::Cylinder && area != 0 && -area.signum() as i32 == sign
+}
+
+/// The sense in which projection lines meet `triangle`: that of [`Hit::sense`] (for the cylinder: at the height of the
+/// centroid); 0 for a triangle that they run along.
+pub fn orientation(line: Line, triangle: &GridTriangle) -> i32 {
+    let [a, b, c] = triangle.map(|p| p.map(i128::from));
+    let across = |a: [i128; 3], b: [i128; 3]| a[0] * b[1] - a[1] * b[0];
+    let value = match line {
+        Line::Parallel => {
+            let from = |p: [i128; 3]| [p[0] - a[0], p[1] - a[1], 0];
+            across(from(b), from(c))
+        }
+        Line::Cylinder => {
+            // Heights over the centroid's, times three.
+            let sum = a[2] + b[2] + c[2];
+            let over = |p: [i128; 3]| 3 * p[2] - sum;
+            over(a) * across(b, c) + over(b) * across(c, a) + over(c) * across(a, b)
+        }
+        Line::Sphere => a[2] * across(b, c) + b[2] * across(c, a) + c[2] * across(a, b),
+    };
+    value.signum() as i32
 }
 
 impl Hit {

@@ -12,7 +12,7 @@ use super::picture::Picture;
 use super::shade::Drawn;
 use crate::attribute::arithmetic::{V3, add3, cross3, dot3, scale3, sub3};
 use crate::attribute::surface::SurfacePoint;
-use crate::igt::layout;
+use crate::igt::{Asker, layout};
 use crate::param::grid::{QUERY_MAX, QUERY_SHIFT};
 use crate::param::projection::{GridTriangle, Line};
 
@@ -57,8 +57,7 @@ fn inverse(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondenc
     let tables = &picture.tables[draw.igt[0] as usize];
     let t3 = drawn.vertex.map(|v| picture.t3[v as usize]);
     let query = query_point(&t3, drawn.b).map(|q| q.clamp(-QUERY_MAX, QUERY_MAX));
-    let layer = (drawn.layer <= 255).then_some(drawn.layer as u8);
-    let Some(found) = tables.lookup(query, layer, true) else {
+    let Some(found) = tables.lookup(query, Asker::from_word(drawn.asker), true) else {
         // Two walks, one for hits and one for nearest points, over a list that is empty.
         return Correspondence {
             point: None,

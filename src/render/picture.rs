@@ -7,7 +7,7 @@ use super::constants::constants;
 use super::correspond::{IDENTITY, INVERSE};
 use super::draw::DrawRecord;
 use crate::attribute::AttributeSet;
-use crate::igt::{Tables, layout};
+use crate::igt::{Asker, Tables, layout};
 use crate::{Error, Result};
 use glam::{DMat3, DMat4};
 use std::sync::Arc;
@@ -29,7 +29,7 @@ pub struct Picture {
     pub(crate) positions: Vec<[f32; 3]>,
     /// T3 of each position on the vertex grid (0 where a geometry has none); the fourth is unused.
     pub(crate) t3: Vec<[i32; 4]>,
-    /// Vertices of each triangle, in `positions`; and its layer.
+    /// Vertices of each triangle, in `positions`; and its [`Asker::word`].
     pub(crate) corners: Vec<[u32; 4]>,
     /// The draws, in order.
     pub(crate) draws: Vec<DrawRecord>,
@@ -59,14 +59,14 @@ impl Picture {
         }
     }
 
-    /// Adds positions and triangles. `t3` and `layers` are empty for a geometry that is its own reference; `slack` is how
+    /// Adds positions and triangles. `t3` and `askers` ([`Asker::word`]) are empty for a geometry that is its own reference; `slack` is how
     /// far a level of detail may lie from its reference, in the unit of positions.
     pub fn add_geometry(
         &mut self,
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
         t3: &[[i32; 3]],
-        layers: &[u8],
+        askers: &[u32],
         slack: f32,
     ) -> Result<Geometry> {
         let geometry = Geometry {
@@ -88,12 +88,13 @@ impl Picture {
         let point = |v: usize| t3.get(v).map_or([0; 4], |p| [p[0], p[1], p[2], 0]);
         self.t3.extend((0..positions.len()).map(point));
         let base = geometry.vertex_base;
-        let layer = |t: usize| layers.get(t).map_or(u32::MAX, |&l| u32::from(l));
+        let anyone = Asker::default().word();
+        let asker = |t: usize| askers.get(t).copied().unwrap_or(anyone);
         self.corners.extend(
             triangles
                 .iter()
                 .enumerate()
-                .map(|(t, v)| [v[0] + base, v[1] + base, v[2] + base, layer(t)]),
+                .map(|(t, v)| [v[0] + base, v[1] + base, v[2] + base, asker(t)]),
         );
         Ok(geometry)
     }

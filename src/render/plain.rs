@@ -6,10 +6,11 @@
 //! Each corner is looked up a little towards its triangle's centroid, so that a corner on a seam reads the chart that
 //! its own triangle lies in, as far as one chart can be said to hold it.
 
-use crate::igt::Tables;
+use crate::igt::{Asker, Tables};
 use crate::lod::Lod;
 use crate::mesh::Mesh;
 use crate::param::grid::QUERY_SHIFT;
+use crate::param::projection::orientation;
 
 /// One in this many: how far a corner moves towards the centroid.
 const PULL: i64 = 64;
@@ -23,12 +24,15 @@ pub(crate) fn mesh(reference: &Mesh, lod: &Lod, tables: &Tables) -> Mesh {
     out.uv_sets = vec![Vec::new(); reference.uv_sets.len()];
     for (t, triangle) in lod.triangles.iter().enumerate() {
         let corners = triangle.map(|v| lod.t3[v as usize]);
-        let layer = lod.triangle_layer.get(t).copied();
+        let asker = Asker {
+            layer: lod.triangle_layer.get(t).copied(),
+            side: orientation(tables.primary.line(), &corners),
+        };
         let first = out.positions.len() as u32;
         out.triangles.push([first, first + 1, first + 2]);
-        let found = [0, 1, 2].map(|k| tables.lookup(pulled(&corners, k), layer, true));
+        let found = [0, 1, 2].map(|k| tables.lookup(pulled(&corners, k), asker, true));
         // The chart and the material are those of the middle, if anything is there.
-        let middle = tables.lookup(centroid(&corners), layer, true).or(found[0]);
+        let middle = tables.lookup(centroid(&corners), asker, true).or(found[0]);
         let material = middle.map_or(0, |f| reference.triangle_material[f.triangle as usize]);
         out.triangle_material.push(material);
         for k in 0..3 {

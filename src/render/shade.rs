@@ -126,7 +126,7 @@ fn shade(
         by: edges(&seen, x, y + 1).barycentric(sense),
         local,
         vertex,
-        layer: corner[3],
+        asker: corner[3],
     };
     let found = correspond::find(picture, draw, &drawn);
     let depth = super::cover::depth(&seen, b, [0.0; 2]).unwrap_or(1.0);
@@ -164,8 +164,8 @@ pub(crate) struct Drawn {
     pub local: u32,
     /// Its vertices in the picture's arrays.
     pub vertex: [u32; 3],
-    /// The layer whose hits it prefers.
-    pub layer: u32,
+    /// Which hits it prefers: an [`Asker::word`](crate::igt::Asker::word).
+    pub asker: u32,
 }
 
 /// How the drawn triangle is seen at a pixel.

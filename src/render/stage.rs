@@ -7,7 +7,7 @@ use super::picture::{Geometry, Picture};
 use super::{plain, skin};
 use crate::Result;
 use crate::attribute::{AttributeSet, attributes_of};
-use crate::igt::{Tables, layout};
+use crate::igt::{Tables, askers, layout};
 use crate::lod::Lod;
 use crate::mesh::Mesh;
 use crate::scene::{Instance, Scene};
@@ -116,11 +116,12 @@ impl Staging {
             return self.own(&plain::mesh(reference, &lod, tables), lod.error);
         }
         let base = self.attributes().push_mesh(reference)?;
+        let line = tables.primary.line();
         let geometry = self.picture.add_geometry(
             &lod.positions,
             &lod.triangles,
             &lod.t3,
-            &lod.triangle_layer,
+            &askers(line, &lod.t3, &lod.triangles, &lod.triangle_layer),
             lod.error,
         )?;
         let tables = self.picture.add_tables(Arc::clone(tables));

@@ -3,7 +3,7 @@
 use super::textured;
 use glam::DMat4;
 use invertex::attribute::AttributeSet;
-use invertex::igt::{self, Asking, BuildOptions, Layout, Needs, Reference, Tables};
+use invertex::igt::{self, Asking, BuildOptions, Layout, Needs, Reference, Tables, askers};
 use invertex::lod::{self, Lod, LodInput};
 use invertex::mesh::Mesh;
 use invertex::param::layer::{self, Parts};
@@ -85,13 +85,13 @@ pub(crate) fn picture(all: &[&Inverse]) -> Picture {
         .collect();
     let mut picture = Picture::new(attributes);
     for (k, (i, base)) in all.iter().zip(bases).enumerate() {
-        let lod = &i.lod;
+        let (lod, line) = (&i.lod, i.tables.primary.line());
         let geometry = picture
             .add_geometry(
                 &lod.positions,
                 &lod.triangles,
                 &lod.t3,
-                &lod.triangle_layer,
+                &askers(line, &lod.t3, &lod.triangles, &lod.triangle_layer),
                 lod.error,
             )
             .unwrap();

@@ -1,6 +1,6 @@
 //! Lookups on a device, one thread a point. Shader: `glsl/igt/query.comp`; twin of [`Tables::lookup`].
 
-use super::super::{Found, Tables};
+use super::super::{Asker, Found, Tables};
 use crate::error::Result;
 use crate::gpu::{Context, shaders::igt_query as pass};
 
@@ -9,12 +9,13 @@ pub fn query(
     context: &Context,
     tables: &Tables,
     points: &[[i32; 3]],
-    layer: Option<u8>,
+    asker: impl Into<Asker>,
     nearest: bool,
 ) -> Result<Vec<Option<Found>>> {
     if points.is_empty() {
         return Ok(Vec::new());
     }
+    let asker = asker.into().word();
     let hash = context.upload("igt hash", &tables.hash)?;
     let list = context.upload("igt lists", &tables.list)?;
     let triangle = context.upload("igt triangles", &tables.triangle)?;
@@ -36,7 +37,7 @@ pub fn query(
         let push = pass::Push {
             tables: super::shader_tables(tables),
             count: block.len() as u32,
-            layer: layer.map_or(u32::MAX, u32::from),
+            asker,
             nearest: nearest.into(),
         };
         recorder.dispatch(&bound, &push, super::groups(block.len() as u64, 64));
