@@ -1,10 +1,16 @@
 //! The tables of the CPU and of every device are equal byte for byte, and so is every answer.
+//!
+//! Made shapes always; with `INVERTEX_LONG=1` every mesh of every shared model, sizes 64 to 1024.
 #![cfg(feature = "gpu")]
+
+mod long;
+mod render;
 
 use invertex::gpu::{Context, ContextOptions, DeviceChoice, devices};
 use invertex::igt::{self, Asking, BuildOptions, Layout, Needs, Reference, build_cpu};
 use invertex::mesh::{Mesh, shapes};
 use invertex::param::{Axis, Primary, PrimaryKind};
+use invertex::scene::Scene;
 
 fn contexts() -> Vec<Context> {
     let all = devices().expect("a Vulkan loader");
@@ -141,6 +147,75 @@ fn same_answers(context: &Context, tables: &igt::Tables, what: &str) {
             );
         }
     }
+}
+
+/// Every mesh of a model, with the LoDs' needs, in each size and layout.
+fn same_on_every_device(name: &str, scene: Scene, sizes: &[u32]) {
+    let prepared = render::model::prepare(scene, &long::primary(name), &[0.2, 0.1, 0.05]);
+    let contexts = contexts();
+    let (mut meshes, mut tables, mut kinds) = (0, 0, Vec::new());
+    for (mesh, built) in prepared.scene.meshes.iter().zip(&prepared.meshes) {
+        let Some((primary, parts, chain)) = built else {
+            assert!(
+                mesh.triangles.is_empty(),
+                "{name}: {} has no primary",
+                mesh.name
+            );
+            continue;
+        };
+        meshes += 1;
+        kinds.push(primary.kind.to_string());
+        for layout in [Layout::Packed, Layout::Classic] {
+            let reference = Reference::new(mesh, primary, &parts.triangle_layer, layout).unwrap();
+            let asking: Vec<Asking> = chain.iter().map(render::inverse::asking).collect();
+            for &hash in sizes {
+                let options = BuildOptions { hash, layout };
+                let needs = Needs::of(&reference, &asking, options.bits().unwrap());
+                let cpu = build_cpu(&reference, &needs, options).unwrap();
+                for context in &contexts {
+                    let device = igt::gpu::build(context, &reference, &needs, options).unwrap();
+                    let what =
+                        format!("{} {layout:?} {hash} on {}", mesh.name, context.info().name);
+                    assert_eq!(cpu.sha256(), device.tables.sha256(), "{name}: {what}");
+                    same_answers(context, &cpu, &what);
+                }
+                tables += 1;
+            }
+        }
+    }
+    for context in &contexts {
+        assert_eq!(context.validation_messages(), Vec::<String>::new());
+    }
+    kinds.sort();
+    kinds.dedup();
+    let devices: Vec<&str> = contexts.iter().map(|c| c.info().name.as_str()).collect();
+    long::proved(
+        name,
+        "same sha256 of tables",
+        &format!(
+            "{meshes} meshes by {}; {tables} tables, hash {sizes:?}, both layouts; cpu = {}",
+            kinds.join(" "),
+            devices.join(" = ")
+        ),
+    );
+}
+
+#[test]
+fn a_shared_model_at_two_sizes() {
+    if let Some(path) = render::model::path("fox/fox.glb") {
+        same_on_every_device("fox, short", Scene::load(&path).unwrap(), &[64, 256]);
+    }
+}
+
+fn at_length(name: &str) {
+    if let Some(path) = long::model(name) {
+        let sizes = [64, 128, 256, 512, 1024];
+        same_on_every_device(name, Scene::load(&path).unwrap(), &sizes);
+    }
+}
+
+mod every_size_and_layout {
+    super::long::on_every_model!(super::at_length);
 }
 
 #[test]

@@ -1,9 +1,12 @@
 //! Mutated inputs: whatever bytes come, every reader gives a result or an error. No panic, no hang, no memory by a claim.
 //!
 //! The inputs run in a child process with 1 GiB of address space (`ulimit -v`), so that an allocation out of proportion is an
-//! abort, and with a watchdog, so that a hang is one too. `INVERTEX_MUTATIONS` sets how many (default 20,000); input `i` is
-//! made from the number `i` alone, so that `INVERTEX_MUTATION_FIRST=i` runs it again.
+//! abort, and with a watchdog, so that a hang is one too. `INVERTEX_MUTATIONS` sets how many (20,000; with
+//! `INVERTEX_LONG=1` a million); input `i` is made from the number `i` alone, so that `INVERTEX_MUTATION_FIRST=i` runs
+//! it again.
 
+#[path = "../long/mod.rs"]
+mod long;
 mod make;
 mod readers;
 
@@ -52,11 +55,11 @@ fn run_child(count: u64, first: u64, fault: &str) -> (Output, u64) {
 
 #[test]
 fn mutated_inputs_give_a_result_or_an_error() {
-    let count = number("INVERTEX_MUTATIONS", 20_000);
+    let count = long::count("INVERTEX_MUTATIONS", 20_000, 1_000_000);
     let (output, last) = run_child(count, number("INVERTEX_MUTATION_FIRST", 0), "");
     let text = String::from_utf8_lossy(&output.stdout);
     for line in text.lines().filter(|line| line.contains("mutated inputs")) {
-        println!("{line}");
+        long::proved("mutation", "a result or an error", line);
     }
     let errors = String::from_utf8_lossy(&output.stderr);
     let tail: String = errors

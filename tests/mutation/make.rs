@@ -270,6 +270,45 @@ pub(crate) fn spoil_bytes(bytes: &mut Vec<u8>, random: &mut Random) {
     }
 }
 
+/// Gives each chunk of a PNG the checksum of what it now holds, so that a fault inside gets past the container: sizes in
+/// the header, filters and lengths in the packed data. Other bytes are left as they are.
+pub(crate) fn repair_png(bytes: &mut [u8]) {
+    if !bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
+        return;
+    }
+    let mut at = 8;
+    while let Some(head) = bytes.get(at..at + 8) {
+        let length = u32::from_be_bytes(head[..4].try_into().unwrap()) as usize;
+        let Some(sum) = bytes.get(at + 4..at + 8 + length).map(crc32) else {
+            return;
+        };
+        at += 8 + length;
+        let Some(place) = bytes.get_mut(at..at + 4) else {
+            return;
+        };
+        place.copy_from_slice(&sum.to_be_bytes());
+        at += 4;
+    }
+}
+
+/// CRC-32 as PNG has it (ISO 3309), bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |crc: u32| (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg());
+    let byte = |crc: u32, b: &u8| (0..8).fold(crc ^ u32::from(*b), |crc, _| step(crc));
+    !bytes.iter().fold(u32::MAX, byte)
+}
+
+#[test]
+fn a_repaired_png_is_what_it_was() {
+    let whole = picture(ImageFormat::Png);
+    let mut spoiled = whole.clone();
+    // The checksum of the header: signature, length, name, thirteen bytes.
+    spoiled[8 + 8 + 13] ^= 1;
+    assert!(image::load_from_memory(&spoiled).is_err());
+    repair_png(&mut spoiled);
+    assert_eq!(spoiled, whole);
+}
+
 /// One to three faults in JSON: numbers and names replaced or exchanged, elements doubled or removed.
 pub(crate) fn spoil_json(text: &mut String, random: &mut Random) {
     const NUMBERS: [&str; 20] = [

@@ -1,6 +1,6 @@
 //! What reads mutants, and what must hold of whatever it accepts.
 
-use super::make::{Random, Seeds, glb, spoil_bytes, spoil_json};
+use super::make::{Random, Seeds, glb, repair_png, spoil_bytes, spoil_json};
 use invertex::asset::{self, Built};
 use invertex::igt::Tables;
 use invertex::param::{PrimaryRequest, choose, parts};
@@ -9,7 +9,8 @@ use invertex::scene::Scene;
 /// Makes input `i` and reads it; whether it was accepted.
 pub(crate) fn read(seeds: &Seeds, i: u64) -> bool {
     let mut random = Random::new(i);
-    match random.below(8) {
+    // Models 3, images 2, built models 2, tables 2 of 9.
+    match random.below(9) {
         0 | 1 => {
             let seed = random.pick(&seeds.models).clone();
             read_scene(&spoiled(seed, &mut random), &mut random)
@@ -18,9 +19,12 @@ pub(crate) fn read(seeds: &Seeds, i: u64) -> bool {
             let seed = random.pick(&seeds.models);
             read_scene(&as_data_uri(seed, &mut random), &mut random)
         }
-        3 => {
+        3 | 8 => {
             let mut image = random.pick(&seeds.images).clone();
             spoil_bytes(&mut image, &mut random);
+            if random.below(2) == 0 {
+                repair_png(&mut image);
+            }
             read_image(&image)
         }
         4 | 5 => {

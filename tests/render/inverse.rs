@@ -67,7 +67,8 @@ pub(crate) fn tables(
     Arc::new(igt::build_cpu(&reference, &needs, options).unwrap())
 }
 
-fn asking(lod: &Lod) -> Asking<'_> {
+/// What a LoD asks of the tables.
+pub(crate) fn asking(lod: &Lod) -> Asking<'_> {
     Asking {
         t3: &lod.t3,
         triangles: &lod.triangles,

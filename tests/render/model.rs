@@ -37,14 +37,17 @@ pub(crate) struct BuiltMesh {
     pub(crate) tables: Arc<Tables>,
 }
 
-/// Builds all meshes of a model.
-pub(crate) fn build(
-    scene: Scene,
-    request: &PrimaryRequest,
-    hash: u32,
-    layout: Layout,
-    fractions: &[f32],
-) -> Built {
+/// A scene with the primary, the parts and the LoDs of each mesh that can have them.
+pub(crate) struct Prepared {
+    pub(crate) scene: Scene,
+    pub(crate) meshes: Vec<Option<PreparedMesh>>,
+}
+
+/// Primary, parts and LoDs of a mesh.
+pub(crate) type PreparedMesh = (Primary, Parts, Vec<Lod>);
+
+/// Everything but the tables.
+pub(crate) fn prepare(scene: Scene, request: &PrimaryRequest, fractions: &[f32]) -> Prepared {
     let chosen: Vec<Option<(Primary, Parts)>> = scene
         .meshes
         .iter()
@@ -76,20 +79,42 @@ pub(crate) fn build(
     let mut chains = lod::chains(&inputs, fractions).unwrap().into_iter();
     let meshes = chosen
         .into_iter()
-        .enumerate()
-        .map(|(m, chosen)| {
-            let (primary, parts) = chosen?;
-            let chain = chains.next().unwrap();
-            let tables = inverse::tables(&scene.meshes[m], &primary, &parts, layout, &chain, hash);
+        .map(|chosen| chosen.map(|(primary, parts)| (primary, parts, chains.next().unwrap())))
+        .collect();
+    Prepared { scene, meshes }
+}
+
+impl Prepared {
+    /// With tables whose size `hash` gives for a number of triangles.
+    pub(crate) fn built(self, layout: Layout, hash: impl Fn(usize) -> u32) -> Built {
+        let scene = self.scene;
+        let with_tables = |(m, prepared): (usize, Option<PreparedMesh>)| {
+            let (primary, parts, chain) = prepared?;
+            let mesh = &scene.meshes[m];
+            let hash = hash(mesh.triangles.len());
+            let tables = inverse::tables(mesh, &primary, &parts, layout, &chain, hash);
             Some(BuiltMesh {
                 primary,
                 parts,
                 chain,
                 tables,
             })
-        })
-        .collect();
-    Built { scene, meshes }
+        };
+        let meshes = self.meshes.into_iter().enumerate();
+        let meshes = meshes.map(with_tables).collect();
+        Built { scene, meshes }
+    }
+}
+
+/// Builds all meshes of a model.
+pub(crate) fn build(
+    scene: Scene,
+    request: &PrimaryRequest,
+    hash: u32,
+    layout: Layout,
+    fractions: &[f32],
+) -> Built {
+    prepare(scene, request, fractions).built(layout, |_| hash)
 }
 
 impl Built {
