@@ -21,6 +21,8 @@
 #define IGT_SIDE_FRONT 0x100u
 #define IGT_SIDE_BACK 0x200u
 #define IGT_SIDES 0x300u
+// and whether projection lines run along the triangle: the nearest point is then asked for at once.
+#define IGT_GRAZED 0x400u
 // IgtFound.triangle where nothing is mapped.
 #define IGT_NOTHING 0xffffffffu
 
@@ -174,7 +176,8 @@ IgtFound igt_lookup(IgtTables t, ivec3 q, uint asker, bool nearest) {
     IgtCandidate best = IgtCandidate(8u, 0.0, IGT_NOTHING, vec3(0.0));
     uint fetches = 0u;
     // A loop, so that a compiler that inlines everything holds one copy of the walk.
-    for (uint pass = 0u; pass < (nearest ? 2u : 1u) && best.rank > 1u; pass++) {
+    bool grazed = nearest && (asker & (IGT_ANY_LAYER | IGT_GRAZED)) == IGT_GRAZED;
+    for (uint pass = grazed ? 1u : 0u; pass < (nearest ? 2u : 1u) && best.rank > 1u; pass++) {
         igt_scan(t, q, asker, pass == 1u, best, fetches);
     }
     return IgtFound(best.triangle, best.barycentric, fetches, (best.rank & 2u) == 0u && best.rank < 8u);

@@ -52,11 +52,15 @@ bool projected_into(uint line, ivec3 query, ivec3 c0, ivec3 c1, ivec3 c2, out ve
     float steepness = igt_dot3(n, d);
     float area = igt_dot3(n, n);
     b = vec3(0.0);
-    if (!(abs(steepness) > 1e-25 && area > 1e-32)) {
+    if (!(area > 1e-32)) {
         return false;
     }
-    precise float along = igt_dot3(n, w) / steepness;
-    precise vec3 r = w + d * -along;
+    // Where the line grazes the plane, the plane's normal takes its place.
+    precise float grazing = area * igt_dot3(d, d) * 0.04;
+    precise float steepness2 = steepness * steepness;
+    bool grazed = steepness2 <= grazing;
+    precise float along = igt_dot3(n, w) / (grazed ? area : steepness);
+    precise vec3 r = w + (grazed ? n : d) * -along;
     precise float b1 = igt_dot3(igt_cross3(r, e2), n) / area;
     precise float b2 = igt_dot3(igt_cross3(e1, r), n) / area;
     precise float b0 = 1.0 - b1 - b2;

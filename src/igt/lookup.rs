@@ -5,7 +5,8 @@
 //! Among several hits (the surface overlaps itself in T3) the policy is: the same layer first (*same part*), in it the
 //! same side of the surface (*same side*: the outer wall of a cap never shows its inner one), then the hit closest to the
 //! query (*closest*, the paper's), then the lowest triangle id. Without a hit of the layer the nearest point of its listed
-//! triangles (the gutter), then a hit of another layer, then the nearest point of any.
+//! triangles (the gutter), then a hit of another layer, then the nearest point of any. LoD triangles that projection
+//! lines run along (the sill of a window, under a cylinder) get the nearest point at once.
 //! Source: Inverse Geometric Textures, sections 2.2 and 5.
 
 use super::layout::{self, EMPTY, LAST, LONG};
@@ -35,6 +36,9 @@ pub struct Asker {
     pub layer: Option<u8>,
     /// The sense in which projection lines meet the LoD triangle ([`projection::orientation`]); 0 for any.
     pub side: i32,
+    /// Projection lines run along the LoD triangle ([`projection::is_grazed`]): a small deviation moves the hit far away,
+    /// or to the wall behind. The nearest point is then the better answer, where it may be given.
+    pub grazed: bool,
 }
 
 impl Asker {
@@ -45,7 +49,8 @@ impl Asker {
             1 => SIDE_FRONT,
             _ => SIDE_BACK,
         };
-        self.layer.map_or(ANY_LAYER, u32::from) | side
+        let grazed = if self.grazed { GRAZED } else { 0 };
+        self.layer.map_or(ANY_LAYER, u32::from) | side | grazed
     }
 
     /// The asker of a word; [`word`](Self::word) undone.
@@ -57,13 +62,26 @@ impl Asker {
                 SIDE_BACK => -1,
                 _ => 0,
             },
+            grazed: word & (ANY_LAYER | GRAZED) == GRAZED,
+        }
+    }
+
+    /// Who asks for the fragments of a LoD triangle, T3 on the vertex grid.
+    pub fn of(line: Line, corners: &GridTriangle, layer: Option<u8>) -> Self {
+        Asker {
+            layer,
+            side: projection::orientation(line, corners),
+            grazed: projection::is_grazed(line, corners),
         }
     }
 }
 
 impl From<Option<u8>> for Asker {
     fn from(layer: Option<u8>) -> Self {
-        Asker { layer, side: 0 }
+        Asker {
+            layer,
+            ..Asker::default()
+        }
     }
 }
 
@@ -71,14 +89,13 @@ impl From<Option<u8>> for Asker {
 const ANY_LAYER: u32 = 1 << 31;
 const SIDE_FRONT: u32 = 1 << 8;
 const SIDE_BACK: u32 = 1 << 9;
+const GRAZED: u32 = 1 << 10;
 
 /// For each triangle of a LoD the [`Asker::word`] its fragments ask with; T3 on the vertex grid.
 pub fn askers(line: Line, t3: &[[i32; 3]], triangles: &[[u32; 3]], layers: &[u8]) -> Vec<u32> {
     let asker = |(triangle, &layer): (&[u32; 3], &u8)| {
         let corners = triangle.map(|v| t3[v as usize]);
-        let side = projection::orientation(line, &corners);
-        let layer = Some(layer);
-        Asker { layer, side }.word()
+        Asker::of(line, &corners, Some(layer)).word()
     };
     triangles.iter().zip(layers).map(asker).collect()
 }
@@ -117,7 +134,10 @@ impl Tables {
     /// chart get the nearest listed one.
     pub fn lookup(&self, query: [i32; 3], asker: impl Into<Asker>, nearest: bool) -> Option<Found> {
         let (asker, mut fetches) = (asker.into(), 0);
-        let mut best = self.scan(query, asker, false, Candidate::NONE, &mut fetches);
+        let mut best = Candidate::NONE;
+        if !(nearest && asker.grazed) {
+            best = self.scan(query, asker, false, best, &mut fetches);
+        }
         if nearest && best.rank > TURNED {
             best = self.scan(query, asker, true, best, &mut fetches);
         }
@@ -290,6 +310,7 @@ mod tests {
                         Asker {
                             layer: Some(0),
                             side,
+                            grazed: false,
                         },
                         false,
                     )
@@ -328,10 +349,42 @@ mod tests {
     }
 
     #[test]
+    fn a_grazed_triangle_gets_the_nearest_point() {
+        let mesh = shapes::icosphere(2);
+        let primary = Primary::centred(PrimaryKind::Plane(Axis::Z), &mesh).unwrap();
+        let (layout, layers) = (Layout::Packed, vec![0; mesh.triangles.len()]);
+        let reference = Reference::new(&mesh, &primary, &layers, layout).unwrap();
+        let options = BuildOptions { hash: 32, layout };
+        let tables = build_cpu(&reference, &Needs::default(), options).unwrap();
+        let mut grazed = 0;
+        for t in 0..reference.triangles.len() {
+            let corners = reference.corners(t);
+            let asker = Asker::of(Line::Parallel, &corners, Some(0));
+            let middle: [i32; 3] = std::array::from_fn(|k| {
+                let sum: i64 = corners.iter().map(|c| i64::from(c[k])).sum();
+                ((sum << QUERY_SHIFT) / 3) as i32
+            });
+            let found = tables.lookup(middle, asker, true).unwrap();
+            assert_eq!((found.triangle, found.hit), (t as u32, !asker.grazed));
+            assert!(!asker.grazed || tables.lookup(middle, asker, false).is_none_or(|f| f.hit));
+            grazed += u32::from(asker.grazed);
+        }
+        assert!(
+            grazed > 0,
+            "the sphere's equator stands upright over the plane"
+        );
+    }
+
+    #[test]
     fn askers_survive_their_words() {
         for layer in [None, Some(0), Some(254)] {
             for side in [-1, 0, 1] {
-                let asker = Asker { layer, side };
+                let grazed = layer.is_some() && side == 0;
+                let asker = Asker {
+                    layer,
+                    side,
+                    grazed,
+                };
                 assert_eq!(Asker::from_word(asker.word()), asker);
             }
         }

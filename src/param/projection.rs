@@ -254,6 +254,22 @@ pub fn orientation(line: Line, triangle: &GridTriangle) -> i32 {
     value.signum() as i32
 }
 
+/// The sine of the angle under which lines graze a triangle: beyond it a deviation is at most five times as long when
+/// measured along the line.
+const GRAZING: f64 = 0.2;
+
+/// Whether projection lines run along `triangle`, all but: seen at its centroid, at less than a fifth (sine).
+pub fn is_grazed(line: Line, triangle: &GridTriangle) -> bool {
+    let [a, b, c] = triangle.map(|p| glam::DVec3::from(p.map(f64::from)));
+    let (normal, middle) = ((b - a).cross(c - a), (a + b + c) / 3.0);
+    let direction = match line {
+        Line::Parallel => glam::DVec3::Z,
+        Line::Cylinder => middle.with_z(0.0),
+        Line::Sphere => middle,
+    };
+    normal.dot(direction).abs() < GRAZING * normal.length() * direction.length()
+}
+
 impl Hit {
     /// The barycentric coordinates, each within 2^-21 of the exact value: the side products are brought to 22 bits, so
     /// that every step but the last division is exact.

@@ -57,11 +57,13 @@ fn inverse(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondenc
     let tables = &picture.tables[draw.igt[0] as usize];
     let t3 = drawn.vertex.map(|v| picture.t3[v as usize]);
     let query = query_point(&t3, drawn.b).map(|q| q.clamp(-QUERY_MAX, QUERY_MAX));
-    let Some(found) = tables.lookup(query, Asker::from_word(drawn.asker), true) else {
+    let asker = Asker::from_word(drawn.asker);
+    let Some(found) = tables.lookup(query, asker, true) else {
         // Two walks, one for hits and one for nearest points, over a list that is empty.
+        let walks = if asker.grazed { 1 } else { 2 };
         return Correspondence {
             point: None,
-            fetches: 2 * tables.fetches_of_miss(query),
+            fetches: walks * tables.fetches_of_miss(query),
         };
     };
     let words = layout::triangle_words(tables.layout, &tables.primary);
@@ -103,7 +105,9 @@ fn query_point(t3: &[[i32; 4]; 3], b: [f32; 3]) -> [i32; 3] {
 /// Barycentrics, in the plane of `corners`, of the point where the line of `query` meets it; none for a line along it.
 ///
 /// With d the line's direction, n the plane's normal and w the query relative to the first corner, the point is
-/// w - d (n.w) / (n.d): differences of nearby points throughout, so neighbours can be subtracted.
+/// w - d (n.w) / (n.d): differences of nearby points throughout, so neighbours can be subtracted. Where the line grazes the
+/// plane (sine under 1/5, as [`is_grazed`](crate::param::projection::is_grazed) has it) a neighbour would land far away and
+/// its texture be blurred to one colour; the plane's normal takes the line's place.
 fn projected(line: Line, query: [i32; 3], corners: &GridTriangle) -> Option<[f32; 3]> {
     let unit = |v: [i32; 3]| v.map(|x| x as f32 * UNIT);
     let edge = |v: usize| {
@@ -123,11 +127,15 @@ fn projected(line: Line, query: [i32; 3], corners: &GridTriangle) -> Option<[f32
     };
     let n = cross3(e1, e2);
     let (steepness, area) = (dot3(n, d), dot3(n, n));
-    if !(steepness.abs() > 1e-25 && area > 1e-32) {
+    if area.is_nan() || area <= 1e-32 {
         return None;
     }
-    let along = dot3(n, w) / steepness;
-    let r = add3(w, scale3(d, -along));
+    let grazed = steepness * steepness <= area * dot3(d, d) * 0.04;
+    let r = if grazed {
+        add3(w, scale3(n, -(dot3(n, w) / area)))
+    } else {
+        add3(w, scale3(d, -(dot3(n, w) / steepness)))
+    };
     let b1 = dot3(cross3(r, e2), n) / area;
     let b2 = dot3(cross3(e1, r), n) / area;
     Some([1.0 - b1 - b2, b1, b2])

@@ -10,7 +10,6 @@ use crate::igt::{Asker, Tables};
 use crate::lod::Lod;
 use crate::mesh::Mesh;
 use crate::param::grid::QUERY_SHIFT;
-use crate::param::projection::orientation;
 
 /// One in this many: how far a corner moves towards the centroid.
 const PULL: i64 = 64;
@@ -24,10 +23,8 @@ pub(crate) fn mesh(reference: &Mesh, lod: &Lod, tables: &Tables) -> Mesh {
     out.uv_sets = vec![Vec::new(); reference.uv_sets.len()];
     for (t, triangle) in lod.triangles.iter().enumerate() {
         let corners = triangle.map(|v| lod.t3[v as usize]);
-        let asker = Asker {
-            layer: lod.triangle_layer.get(t).copied(),
-            side: orientation(tables.primary.line(), &corners),
-        };
+        let layer = lod.triangle_layer.get(t).copied();
+        let asker = Asker::of(tables.primary.line(), &corners, layer);
         let first = out.positions.len() as u32;
         out.triangles.push([first, first + 1, first + 2]);
         let found = [0, 1, 2].map(|k| tables.lookup(pulled(&corners, k), asker, true));
