@@ -6,6 +6,7 @@
 mod long;
 mod render;
 
+use invertex::Error;
 use invertex::gpu::{Context, ContextOptions, DeviceChoice, devices};
 use invertex::igt::{self, Asking, BuildOptions, Layout, Needs, Reference, build_cpu};
 use invertex::mesh::{Mesh, shapes};
@@ -149,11 +150,12 @@ fn same_answers(context: &Context, tables: &igt::Tables, what: &str) {
     }
 }
 
-/// Every mesh of a model, with the LoDs' needs, in each size and layout.
+/// Every mesh of a model, with the LoDs' needs, in each size and layout. A device may refuse the dragon's largest tables,
+/// which want more bytes in one buffer than software devices bind (128 MiB); the row says how often one did.
 fn same_on_every_device(name: &str, scene: Scene, sizes: &[u32]) {
     let prepared = render::model::prepare(scene, &long::primary(name), &[0.2, 0.1, 0.05]);
     let contexts = contexts();
-    let (mut meshes, mut tables, mut kinds) = (0, 0, Vec::new());
+    let (mut meshes, mut tables, mut kinds, mut refused) = (0, 0, Vec::new(), 0);
     for (mesh, built) in prepared.scene.meshes.iter().zip(&prepared.meshes) {
         let Some((primary, parts, chain)) = built else {
             assert!(
@@ -173,10 +175,19 @@ fn same_on_every_device(name: &str, scene: Scene, sizes: &[u32]) {
                 let needs = Needs::of(&reference, &asking, options.bits().unwrap());
                 let cpu = build_cpu(&reference, &needs, options).unwrap();
                 for context in &contexts {
-                    let device = igt::gpu::build(context, &reference, &needs, options).unwrap();
-                    let what =
-                        format!("{} {layout:?} {hash} on {}", mesh.name, context.info().name);
-                    assert_eq!(cpu.sha256(), device.tables.sha256(), "{name}: {what}");
+                    let on = &context.info().name;
+                    let what = format!("{} {layout:?} {hash} on {on}", mesh.name);
+                    let built = igt::gpu::build(context, &reference, &needs, options);
+                    if let (Err(Error::Capacity { what, need, have }), "dragon") = (&built, name) {
+                        refused += 1;
+                        println!("{layout:?} {hash} on {on}: {what}: {need} of {have}");
+                        continue;
+                    }
+                    assert_eq!(
+                        cpu.sha256(),
+                        built.unwrap().tables.sha256(),
+                        "{name}: {what}"
+                    );
                     same_answers(context, &cpu, &what);
                 }
                 tables += 1;
@@ -193,9 +204,13 @@ fn same_on_every_device(name: &str, scene: Scene, sizes: &[u32]) {
         name,
         "same sha256 of tables",
         &format!(
-            "{meshes} meshes by {}; {tables} tables, hash {sizes:?}, both layouts; cpu = {}",
+            "{meshes} meshes by {}; {tables} tables, hash {sizes:?}, both layouts; cpu = {}{}",
             kinds.join(" "),
-            devices.join(" = ")
+            devices.join(" = "),
+            match refused {
+                0 => String::new(),
+                n => format!("; {n} builds refused: over the device's buffer limit"),
+            }
         ),
     );
 }
