@@ -46,7 +46,8 @@ layout(push_constant) uniform View {
 // Twin of DrawRecord::step_back: how far a triangle seen with `sense` steps back before depths are compared, given the
 // handedness and the slack of its draw.
 float step_back(int sense, vec2 handed_slack) {
-    return float(sense) * handed_slack.x > 0.0 ? handed_slack.y : 0.0;
+    precise float turned = float(sense) * handed_slack.x;
+    return turned > 0.0 ? handed_slack.y : 0.0;
 }
 
 // row . (p, 1), summed from x on.

@@ -149,8 +149,8 @@ mod tests {
     fn a_point_on_the_triangle_projects_to_its_own_barycentrics() {
         let corners: GridTriangle = [
             [4_000_000, 100, 3_000_000],
-            [4_010_000, 9_000, 3_000_500],
-            [4_001_000, -7_000, 3_004_000],
+            [3_997_000, 9_000, 3_004_000],
+            [4_003_000, -7_000, 2_999_000],
         ];
         let b = [0.2f64, 0.5, 0.3];
         let p: [f64; 3] =
@@ -167,8 +167,21 @@ mod tests {
                 assert!((f64::from(got[i]) - b[i]).abs() < 2e-4, "{line:?} {got:?}");
             }
         }
+        // Along the lines of the plane: the foot of the perpendicular, however far the line would have to run.
+        let upright: GridTriangle = [[0, 0, 0], [9_000, 0, 0], [0, 0, 9_000]];
+        let query = [
+            3_000 << QUERY_SHIFT,
+            500 << QUERY_SHIFT,
+            3_000 << QUERY_SHIFT,
+        ];
+        let foot = projected(Line::Parallel, query, &upright).unwrap();
+        assert!(
+            foot.iter().all(|b| (b - 1.0 / 3.0).abs() < 1e-4),
+            "{foot:?}"
+        );
         let flat: GridTriangle = [[0, 0, 0], [5, 5, 0], [10, 10, 0]];
-        assert!(projected(Line::Parallel, [64, 64, 0], &flat).is_none());
+        let none = projected(Line::Parallel, [64, 64, 0], &flat);
+        assert!(none.is_none(), "no area");
     }
 
     #[test]
