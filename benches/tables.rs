@@ -9,6 +9,9 @@
 //! In: meshes made here (a wrinkled sheet with uv, a bumpy sphere). Out: the median time of the runs, triangles per
 //! second, and on devices the time of each pass. What is timed is the whole build: mesh on the integer grid in,
 //! tables in host memory out, uploads and downloads included. Device tables are checked against the CPU's sha256.
+//!
+//! Beside it stands the processors' time of this process (Linux): all cores together, of a run, so that runs on a busy machine
+//! can be compared. For software devices that is the whole work, for others the host's part.
 
 use clap::Parser;
 use invertex::gpu::{self, Context, ContextOptions, DeviceChoice, PassTime};
@@ -33,6 +36,9 @@ struct Arguments {
     /// Triangles of each mesh, about.
     #[arg(long, default_value_t = 1_000_000)]
     triangles: u32,
+    /// Part of the name of the cases to run.
+    #[arg(long, default_value = "")]
+    case: String,
     /// Timed runs of each case, after one that is not counted.
     #[arg(long, default_value_t = 7)]
     runs: usize,
@@ -121,9 +127,19 @@ fn median(values: &[f64]) -> f64 {
     sorted[sorted.len() / 2]
 }
 
-/// Milliseconds of each counted run, the tables and the last run's passes.
+/// Milliseconds that the processors have worked for this process so far; 0 where the system does not say.
+fn processor_milliseconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    // After the name in brackets: user and system time are the 12th and 13th, in hundredths of a second.
+    let fields = text.rsplit(')').next().unwrap_or_default();
+    let ticks = fields.split_whitespace().skip(11).take(2);
+    ticks.filter_map(|t| t.parse::<f64>().ok()).sum::<f64>() * 10.0
+}
+
+/// Milliseconds of each counted run, and of the processors' work in a run; the tables and the last run's passes.
 struct Timed {
     milliseconds: Vec<f64>,
+    processors: f64,
     tables: Tables,
     passes: Vec<PassTime>,
 }
@@ -134,12 +150,14 @@ fn time(
 ) -> Result<Timed, Failure> {
     let (mut tables, mut passes) = build()?;
     let mut milliseconds = Vec::new();
+    let before = processor_milliseconds();
     for _ in 0..runs {
         let start = Instant::now();
         (tables, passes) = build()?;
         milliseconds.push(start.elapsed().as_secs_f64() * 1e3);
     }
     Ok(Timed {
+        processors: (processor_milliseconds() - before) / runs.max(1) as f64,
         milliseconds,
         tables,
         passes,
@@ -152,9 +170,10 @@ fn line(case: &Case, device: &str, timed: &Timed) -> (String, Value) {
     let rate = triangles as f64 / ms * 1e3;
     let layout = format!("{:?}", case.layout).to_lowercase();
     let mut text = format!(
-        "{:<22} {layout:<8} {device:<44} {ms:>8.1} ms {:>7.2} M triangles/s, {} entries",
+        "{:<22} {layout:<8} {device:<44} {ms:>8.1} ms {:>7.2} M triangles/s, processors {:>8.1} ms, {} entries",
         case.name,
         rate / 1e6,
+        timed.processors,
         timed.tables.stats.entries
     );
     for pass in &timed.passes {
@@ -172,7 +191,7 @@ fn line(case: &Case, device: &str, timed: &Timed) -> (String, Value) {
         .collect();
     let value = json!({
         "case": case.name, "layout": layout, "device": device, "triangles": triangles, "median_ms": ms,
-        "triangles_per_second": rate, "runs_ms": timed.milliseconds, "entries": timed.tables.stats.entries,
+        "triangles_per_second": rate, "runs_ms": timed.milliseconds, "processors_ms": timed.processors, "entries": timed.tables.stats.entries,
         "mean_list": timed.tables.stats.mean_list, "sha256": timed.tables.sha256(), "passes": passes,
     });
     (text, value)
@@ -260,7 +279,10 @@ fn main() -> Result<(), Failure> {
         text += &(line + "\n");
         results.push(value);
     };
-    for case in cases(&arguments)? {
+    for case in cases(&arguments)?
+        .iter()
+        .filter(|case| case.name.contains(&arguments.case))
+    {
         let options = BuildOptions {
             hash: arguments.hash,
             layout: case.layout,
@@ -274,7 +296,7 @@ fn main() -> Result<(), Failure> {
         })?;
         let expected = cpu.tables.sha256();
         if with_cpu {
-            report(line(&case, "cpu", &cpu));
+            report(line(case, "cpu", &cpu));
         }
         for context in &contexts {
             let info = context.info();
@@ -292,7 +314,7 @@ fn main() -> Result<(), Failure> {
                 )
                 .into());
             }
-            report(line(&case, &info.name, &timed));
+            report(line(case, &info.name, &timed));
         }
     }
     if arguments.archive {

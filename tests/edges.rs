@@ -29,12 +29,8 @@ const FENCED: [(&str, &[&str]); 9] = [
     ("indicatif", &["cli", "main"]),
 ];
 
-/// Longest source file, and those allowed to be longer, each with its reason.
+/// Longest source file.
 const LINES: usize = 400;
-const LONGER: [(&str, &str); 1] = [(
-    "src/igt/cover.rs",
-    "one conservative test for three families of lines, read beside a shader that is one file too",
-)];
 
 const TOP_LEVEL: &str = "\
     .cargo .ci .git .gitattributes .github .gitignore ARCHITECTURE.md CHANGELOG.md CONTRIBUTING.md Cargo.lock \
@@ -196,8 +192,7 @@ fn wrong_crates(file: &str, text: &str) -> Vec<String> {
 
 fn too_long(file: &str, text: &str) -> Option<String> {
     let lines = text.lines().count();
-    let excused = LONGER.iter().any(|(name, _)| *name == file);
-    (lines > LINES && !excused).then(|| format!("{file}: {lines} lines"))
+    (lines > LINES).then(|| format!("{file}: {lines} lines"))
 }
 
 /// Complaints about absolute paths of one machine: somebody's home.

@@ -22,6 +22,15 @@ uvec2 igt_negate64(uvec2 a) {
     return igt_sub64(uvec2(0u), a);
 }
 
+uvec2 igt_size64(uvec2 a) {
+    return int(a.y) < 0 ? igt_negate64(a) : a;
+}
+
+// The larger of a value and zero.
+uvec2 igt_positive64(uvec2 a) {
+    return int(a.y) < 0 ? uvec2(0u) : a;
+}
+
 // a b - c d
 uvec2 igt_cross64(int a, int b, int c, int d) {
     return igt_sub64(igt_mul(a, b), igt_mul(c, d));

@@ -1,53 +1,39 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// For each needed (texel, layer) without a triangle of the layer: the nearest texels' triangles. Twin of igt::gutter,
-// which says why the work of a thread is bounded.
+// For each missing (texel, layer) the nearest texels' triangles. Driven by src/igt/gpu/gutter.rs; twin of igt::gutter, which
+// says why the work of a thread is bounded.
 layout(local_size_x = 64) in;
 #define MOST 8
 #define PER_TEXEL 16u
 #define UNREACHED 0xffffffffu
-// Words of an answer: ring, count, triangles.
-#define ANSWER 10u
+// Words of an answer: pair, ring, count, triangles.
+#define ANSWER 11u
+// The family of lines, see bounds.comp.
+layout(constant_id = 0) const uint line = 0u;
 
-layout(std430, binding = 0) readonly buffer Starts { uint words[]; } starts;
-layout(std430, binding = 1) readonly buffer Lengths { uint words[]; } lengths;
-layout(std430, binding = 2) readonly buffer Lists { uint words[]; } lists;
-layout(std430, binding = 3) readonly buffer Layers { uint words[]; } layers;
-layout(std430, binding = 4) readonly buffer Needs { uvec2 pairs[]; } needs;
-layout(std430, binding = 5) writeonly buffer Answers { uint words[]; } answers;
-// Bit (layer mod 32) is set where the texel's list may have the layer.
-layout(std430, binding = 6) readonly buffer Masks { uint words[]; } masks;
-layout(push_constant) uniform Push { uint line; uint bits; uint count; uint reach; } push;
+#include "common/igt_lists.glsl"
+
+layout(std430, binding = 5) readonly buffer Needs { uvec2 pairs[]; } needs;
+layout(std430, binding = 6) readonly buffer Missing { uint count; uint pairs[]; } missing;
+layout(std430, binding = 7) writeonly buffer Answers { uint words[]; } answers;
+layout(push_constant) uniform Push { uint bits; uint count; uint reach; } push;
 
 #include "common/igt_line.glsl"
 
 uint distances[MOST];
 uint found[MOST];
 
-uint layer_of(uint triangle) {
-    return layers.words[triangle >> 2] >> (8u * (triangle & 3u)) & 255u;
-}
-
 // The texel at an offset; -1 outside.
 int neighbour(ivec2 at, ivec2 offset) {
     int width = 1 << push.bits;
     ivec2 p = at + offset;
-    if (push.line == IGT_LINE_CYLINDER) p.x &= width - 1;
-    if (push.line == IGT_LINE_SPHERE) {
+    if (line == IGT_LINE_CYLINDER) p.x &= width - 1;
+    if (line == IGT_LINE_SPHERE) {
         if (p.x < 0 || p.x >= width) p = ivec2(p.x < 0 ? -1 - p.x : 2 * width - 1 - p.x, width - 1 - p.y);
         if (p.y < 0 || p.y >= width) p = ivec2(width - 1 - p.x, p.y < 0 ? -1 - p.y : 2 * width - 1 - p.y);
     }
     bool inside = p.x >= 0 && p.x < width && p.y >= 0 && p.y < width;
     return inside ? p.y << push.bits | p.x : -1;
-}
-
-bool has(uint texel, uint layer) {
-    if ((masks.words[texel] >> (layer & 31u) & 1u) == 0u) return false;
-    uint start = starts.words[texel], count = lengths.words[texel];
-    for (uint i = 0u; i < count; i++) {
-        if (layer_of(lists.words[start + i]) == layer) return true;
-    }
-    return false;
 }
 
 bool smaller(uint da, uint ta, uint db, uint tb) {
@@ -105,34 +91,30 @@ void gather(ivec2 at, int r, uint layer) {
 }
 
 void main() {
-    uint n = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
-    if (n >= push.count) return;
+    uint m = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
+    if (m >= push.count) return;
+    uint n = missing.pairs[m];
     uint texel = needs.pairs[n].x, layer = needs.pairs[n].y;
     ivec2 at = ivec2(texel & ((1u << push.bits) - 1u), texel >> push.bits);
     uint ring = UNREACHED;
-    if (has(texel, layer)) {
-        ring = 0u;
-    } else {
-        for (int r = 1; r <= int(push.reach) && ring == UNREACHED; r++) {
-            for (int i = 0; i < 8 * r && ring == UNREACHED; i++) {
-                int t = neighbour(at, ring_offset(r, i));
-                if (t >= 0 && has(uint(t), layer)) ring = uint(r);
-            }
+    for (int r = 1; r <= int(push.reach) && ring == UNREACHED; r++) {
+        for (int i = 0; i < 8 * r && ring == UNREACHED; i++) {
+            int t = neighbour(at, ring_offset(r, i));
+            if (t >= 0 && has(uint(t), layer)) ring = uint(r);
         }
     }
     for (int i = 0; i < MOST; i++) {
         distances[i] = UNREACHED;
         found[i] = UNREACHED;
     }
-    if (ring != 0u && ring != UNREACHED) {
-        gather(at, int(ring), layer);
-    }
+    if (ring != UNREACHED) gather(at, int(ring), layer);
     uint count = 0u;
     for (int i = 0; i < MOST; i++) {
         bool there = distances[i] != UNREACHED;
-        answers.words[n * ANSWER + 2u + uint(i)] = there ? found[i] : 0u;
+        answers.words[m * ANSWER + 3u + uint(i)] = there ? found[i] : 0u;
         count += uint(there);
     }
-    answers.words[n * ANSWER] = ring;
-    answers.words[n * ANSWER + 1u] = count;
+    answers.words[m * ANSWER] = n;
+    answers.words[m * ANSWER + 1u] = ring;
+    answers.words[m * ANSWER + 2u] = count;
 }

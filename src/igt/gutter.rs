@@ -73,20 +73,20 @@ pub(super) struct Gutter {
 }
 
 impl Gutter {
-    pub(super) fn of(&self, texel: usize) -> &[u32] {
-        match self.texels.binary_search(&(texel as u32)) {
-            Ok(i) => &self.items[self.start[i] as usize..self.start[i + 1] as usize],
-            Err(_) => &[],
+    /// A walk over texels in ascending order, the first of them at least `texel`.
+    pub(super) fn from(&self, texel: usize) -> Walk<'_> {
+        Walk {
+            gutter: self,
+            at: self.texels.partition_point(|t| (*t as usize) < texel),
         }
     }
 
-    /// Gathers what was found for each pair, in the pairs' order.
-    pub(super) fn from_found(pairs: &[u64], found: impl Iterator<Item = Found>) -> Self {
+    /// Gathers what was found for the pairs that need something, in ascending order of pairs.
+    pub(super) fn from_found(found: impl Iterator<Item = (u64, Found)>) -> Self {
         let mut gutter = Gutter::default();
-        for (pair, found) in pairs.iter().zip(found) {
+        for (pair, found) in found {
             let texel = (pair >> 8) as u32;
             match found.ring {
-                COVERED => continue,
                 UNREACHED => gutter.unreached += 1,
                 ring => gutter.width = gutter.width.max(ring),
             }
@@ -103,12 +103,28 @@ impl Gutter {
     }
 }
 
-/// Ring of a pair whose texel has a triangle of the layer already.
-pub(super) const COVERED: u32 = 0;
+/// A walk over the gutter's texels.
+pub(super) struct Walk<'a> {
+    gutter: &'a Gutter,
+    at: usize,
+}
+
+impl<'a> Walk<'a> {
+    /// The entries of a texel. Texels ascend from call to call, and none that has entries is left out.
+    pub(super) fn of(&mut self, texel: usize) -> &'a [u32] {
+        if self.gutter.texels.get(self.at) != Some(&(texel as u32)) {
+            return &[];
+        }
+        let range = self.gutter.start[self.at] as usize..self.gutter.start[self.at + 1] as usize;
+        self.at += 1;
+        &self.gutter.items[range]
+    }
+}
+
 /// Ring of a pair without any triangle of the layer in reach.
 pub(super) const UNREACHED: u32 = u32::MAX;
 
-/// What the search found for one pair.
+/// What the search found for a pair whose texel has no triangle of the layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Found {
     pub(super) ring: u32,
@@ -119,15 +135,19 @@ pub(super) struct Found {
 /// Searches for every needed pair.
 pub(super) fn fill(reference: &Reference, bits: u32, lists: &Lists, needs: &Needs) -> Gutter {
     let line = reference.primary.line();
-    let found: Vec<Found> = needs
+    let found: Vec<(u64, Found)> = needs
         .pairs
         .par_iter()
-        .map(|pair| search(line, bits, lists, &reference.layer, *pair))
+        .filter_map(|pair| {
+            let found = search(line, bits, lists, &reference.layer, *pair)?;
+            Some((*pair, found))
+        })
         .collect();
-    Gutter::from_found(&needs.pairs, found.into_iter())
+    Gutter::from_found(found.into_iter())
 }
 
-fn search(line: Line, bits: u32, lists: &Lists, layer: &[u8], pair: u64) -> Found {
+/// What a pair gets; nothing where its texel has a triangle of the layer already.
+fn search(line: Line, bits: u32, lists: &Lists, layer: &[u8], pair: u64) -> Option<Found> {
     let (texel, wanted) = ((pair >> 8) as u32, (pair & 255) as u8);
     let at = [(texel & ((1 << bits) - 1)) as i32, (texel >> bits) as i32];
     let has = |t: u32| {
@@ -142,13 +162,12 @@ fn search(line: Line, bits: u32, lists: &Lists, layer: &[u8], pair: u64) -> Foun
         triangles: [0; MOST],
     };
     if has(texel) {
-        found.ring = COVERED;
-        return found;
+        return None;
     }
     let Some(ring) = (1..=REACH.min(1 << bits))
         .find(|r| ring_any(*r, |d| neighbour(line, bits, at, d).is_some_and(has)))
     else {
-        return found;
+        return Some(found);
     };
     found.ring = ring;
     let distance = |d: [i32; 2]| (d[0] * d[0] + d[1] * d[1]) as u64;
@@ -182,7 +201,7 @@ fn search(line: Line, bits: u32, lists: &Lists, layer: &[u8], pair: u64) -> Foun
             found.count += 1;
         }
     }
-    found
+    Some(found)
 }
 
 /// Visits the texel offsets at Chebyshev distance `r` until `stop` says so; whether it did.

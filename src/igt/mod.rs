@@ -13,6 +13,7 @@
 
 mod build;
 pub mod cover;
+mod finish;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod gutter;

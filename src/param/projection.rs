@@ -113,18 +113,15 @@ pub fn octahedral_texel(bits: u32, d: [i32; 3], negative: [bool; 3]) -> [u32; 2]
 }
 
 fn half(bits: u32, u: u32, length: u32, negative: bool) -> u32 {
-    // floor of W/2 (length +- u) / length, digit by digit: the numerator stays below 2^32.
-    let mut rest = if negative { length - u } else { length + u };
-    let mut quotient = 0;
-    for _ in 0..bits {
-        quotient <<= 1;
-        if rest >= length {
-            rest -= length;
-            quotient |= 1;
-        }
-        rest = rest.wrapping_shl(1);
+    // floor of W/2 (length +- u) / length, at most W - 1. The shader finds it digit by digit. Here numerator and denominator
+    // (below 2^45 and 2^32) are exact in an f64, and so is the floor: a quotient below 2^14 that is less than a whole number
+    // is so by 2^-32 at least, far more than rounding adds.
+    let most = (1 << bits) - 1;
+    if length == 0 {
+        return most;
     }
-    quotient
+    let numerator = (if negative { length - u } else { length + u }) as u64;
+    ((((numerator << bits) as f64) * 0.5 / length as f64) as u32).min(most)
 }
 
 /// Where a line meets a triangle: the three side products, all of one sign (or zero where an edge is touched).
@@ -346,3 +343,6 @@ fn nearest_barycentric(w: [[f32; 3]; 3]) -> [f32; 3] {
     let (v, t) = (ratio(vb, sum), ratio(vc, sum));
     [1.0 - v - t, v, t]
 }
+
+#[cfg(test)]
+mod tests;

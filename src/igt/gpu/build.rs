@@ -1,15 +1,14 @@
-//! The build on a device: bounds -> scan -> cover -> scan -> scatter -> order -> gutter. Shaders: `glsl/igt/`.
+//! The build on a device: bounds -> cover -> scan -> scatter -> order -> gutter. Shaders: `glsl/igt/`.
 //!
-//! Work items are texels of boxes, not triangles, so one huge triangle among a million small ones is spread over as many
-//! threads as it covers texels. Atomics hand out slots; the order pass makes the result independent of them.
+//! Atomics hand out slots in any order; the order pass makes the result independent of them.
 
-use super::super::build::{Lists, check_layout, finish};
-use super::super::gutter::{self, Gutter, Needs};
-use super::super::{BuildOptions, Reference, Tables};
-use super::{groups, scan};
+use super::super::build::{Lists, check_layout};
+use super::super::gutter::Needs;
+use super::super::{BuildOptions, Reference, Tables, finish};
+use super::cover::{Covered, cover};
+use super::{groups, gutter, scan};
 use crate::error::{Error, Result};
-use crate::gpu::{Buffer, Context, Timings, shaders};
-use crate::param::projection::Line;
+use crate::gpu::{Buffer, ComputeShader, Context, Pipeline, Recorder, Timings, shaders};
 
 /// Tables and how long each pass took.
 #[derive(Debug)]
@@ -32,263 +31,147 @@ pub fn build(
 ) -> Result<Timed> {
     let bits = options.bits()?;
     check_layout(reference, options)?;
-    let mut timings = Vec::new();
-    let mesh = Upload::new(context, reference)?;
-    let covered = cover(context, reference, &mesh, bits, &mut timings)?;
-    let raw = order(context, reference, &covered, bits, &mut timings)?;
+    let mut work = Work {
+        context,
+        reference,
+        bits,
+        timings: Vec::new(),
+    };
+    let covered = cover(&mut work)?;
+    let raw = order(&mut work, &covered)?;
     let lists = download(context, &raw, bits)?;
-    let gutter = fill_gutter(context, reference, &raw, needs, bits, &mut timings)?;
-    let tables = finish(reference, options, &lists, &gutter)?;
-    Ok(Timed { tables, timings })
-}
-
-/// The reference on the device.
-struct Upload {
-    vertices: Buffer,
-    triangles: Buffer,
-}
-
-impl Upload {
-    fn new(context: &Context, reference: &Reference) -> Result<Self> {
-        Ok(Upload {
-            vertices: context.upload("reference vertices", &reference.t3)?,
-            triangles: context.upload("reference triangles", &reference.triangles)?,
-        })
-    }
-}
-
-/// (texel, triangle) pairs, some of them void, and how many each texel has.
-struct Covered {
-    pairs: Buffer,
-    items: u32,
-    counts: Buffer,
-}
-
-fn cover(
-    context: &Context,
-    reference: &Reference,
-    mesh: &Upload,
-    bits: u32,
-    timings: &mut Vec<Timings>,
-) -> Result<Covered> {
-    let line = reference.primary.line();
-    let count = reference.triangles.len() as u32;
-    let box_count = count as u64 + extra_boxes(reference, line);
-    let boxes = context.storage("boxes", box_count * 16)?;
-    let starts = context.storage("box starts", (box_count + 1) * 4)?;
-    let extra = context.upload("extra boxes", &[0u32])?;
-
-    use shaders::{igt_bounds as bounds, igt_cover as cover};
-    let mut recorder = context.recorder("igt bounds")?;
-    recorder.fill(&starts, 0);
-    let bindings = bounds::Bindings {
-        vertices: &mesh.vertices,
-        triangles: &mesh.triangles,
-        boxes: &boxes,
-        areas: &starts,
-        extra: &extra,
-    };
-    let bound = context.compute::<bounds::Shader>()?.bind(&bindings)?;
-    let push = bounds::Push {
-        line: line as u32,
-        bits,
-        count,
-        boxes: box_count as u32,
-    };
-    recorder.dispatch(&bound, &push, groups(count.into(), 64));
-    scan::record(context, &mut recorder, &starts, box_count + 1)?;
-    let total = context.storage("items", 4)?;
-    recorder.copy_range(&starts, box_count * 4, &total, 0, 4);
-    timings.push(context.run(recorder)?);
-    let items = context.download::<u32>(&total)?[0];
-    if items > i32::MAX as u32 {
-        let (need, have) = (items.into(), i32::MAX as u64);
-        return Err(Error::Capacity {
-            what: "texels to test".into(),
-            need,
-            have,
-        });
-    }
-
-    let texels = 1u64 << (2 * bits);
-    let pairs = context.storage("pairs", (items as u64).max(1) * 8)?;
-    let counts = context.storage("list starts", (texels + 1) * 4)?;
-    let bindings = cover::Bindings {
-        vertices: &mesh.vertices,
-        triangles: &mesh.triangles,
-        boxes: &boxes,
-        starts: &starts,
-        pairs: &pairs,
-        counts: &counts,
-    };
-    let bound = context.compute::<cover::Shader>()?.bind(&bindings)?;
-    let mut recorder = context.recorder("igt cover")?;
-    recorder.fill(&counts, 0);
-    let push = cover::Push {
-        line: line as u32,
-        bits,
-        boxes: box_count as u32,
-        items,
-    };
-    recorder.dispatch(&bound, &push, groups(items as u64, 64 * 8));
-    timings.push(context.run(recorder)?);
-    Ok(Covered {
-        pairs,
-        items,
-        counts,
+    let gutter = gutter::fill(&mut work, &raw, needs)?;
+    let tables = finish::tables(reference, options, &lists, &gutter)?;
+    Ok(Timed {
+        tables,
+        timings: work.timings,
     })
 }
 
-/// Room for the boxes of triangles that reach into several octants, beyond one for each.
-fn extra_boxes(reference: &Reference, line: Line) -> u64 {
-    if line != Line::Sphere {
-        return 0;
+/// What every pass works on, and the times so far.
+pub(super) struct Work<'a> {
+    pub(super) context: &'a Context,
+    pub(super) reference: &'a Reference,
+    pub(super) bits: u32,
+    timings: Vec<Timings>,
+}
+
+impl Work<'_> {
+    pub(super) fn texels(&self) -> u64 {
+        1 << (2 * self.bits)
     }
-    let spread = |t: usize| {
-        let c = reference.corners(t);
-        (0..3).any(|k| c.iter().any(|v| v[k] < 0) && c.iter().any(|v| v[k] > 0))
-    };
-    7 * (0..reference.triangles.len())
-        .filter(|t| spread(*t))
-        .count() as u64
+
+    pub(super) fn run(&mut self, recorder: Recorder) -> Result<()> {
+        self.timings.push(self.context.run(recorder)?);
+        Ok(())
+    }
+
+    /// A pipeline for the reference's family of lines alone, which the shader's `constant` names.
+    pub(super) fn compute_for_line<S: ComputeShader>(&self, constant: u32) -> Result<Pipeline<S>> {
+        let line = self.reference.primary.line() as u32;
+        self.context.compute_with(&[(constant, line)])
+    }
+
+    /// Turns the first `count` words of `values` into the sums of those before, and the word behind them into the sum of
+    /// all, which comes back.
+    pub(super) fn scan(&mut self, name: &str, values: &Buffer, count: u64) -> Result<u32> {
+        let total = self.context.storage("total", 4)?;
+        let mut recorder = self.context.recorder(name)?;
+        scan::record(self.context, &mut recorder, values, count + 1)?;
+        recorder.copy_range(values, count * 4, &total, 0, 4);
+        self.run(recorder)?;
+        Ok(self.context.download::<u32>(&total)?[0])
+    }
 }
 
 /// Lists longer than this are sorted by the host, see `glsl/igt/order.comp`.
 const LONGEST: u32 = 2048;
 
 /// Lists with gaps: texel t's are `lists[starts[t]..starts[t] + lengths[t]]`.
-struct Raw {
-    starts: Buffer,
-    lengths: Buffer,
-    lists: Buffer,
-    layers: Buffer,
-    masks: Buffer,
+pub(super) struct Raw {
+    pub(super) starts: Buffer,
+    pub(super) lengths: Buffer,
+    pub(super) lists: Buffer,
+    pub(super) layers: Buffer,
+    pub(super) masks: Buffer,
+    /// One word: whether there are gaps, or lists left to the host.
+    changed: Buffer,
 }
 
-fn order(
-    context: &Context,
-    reference: &Reference,
-    covered: &Covered,
-    bits: u32,
-    timings: &mut Vec<Timings>,
-) -> Result<Raw> {
-    let texels = 1u64 << (2 * bits);
-    let starts = &covered.counts;
-    let cursors = context.storage("cursors", (texels + 1) * 4)?;
-    let lists = context.storage("raw lists", (covered.items as u64).max(1) * 4)?;
-    let lengths = context.storage("list lengths", texels * 4)?;
-    let masks = context.storage("list layers", texels * 4)?;
-    let mut layers = reference.layer.clone();
+fn order(work: &mut Work<'_>, covered: &Covered) -> Result<Raw> {
+    let (context, texels) = (work.context, work.texels());
+    let entries = work.scan("igt starts", &covered.counts, texels)?;
+    if entries > i32::MAX as u32 {
+        return Err(Error::Capacity {
+            what: "list entries".into(),
+            need: entries.into(),
+            have: i32::MAX as u64,
+        });
+    }
+    let mut layers = work.reference.layer.clone();
+    // A single layer needs no look at the entries.
+    let first = layers.first().copied().unwrap_or(0);
+    let mixed = layers.iter().any(|layer| *layer != first);
+    let mask = 1 << (first & 31);
     layers.resize(layers.len().next_multiple_of(4), 0);
-    let layers = context.upload("layers", &layers)?;
+    let raw = Raw {
+        starts: covered.counts.clone(),
+        lengths: context.storage("list lengths", texels * 4)?,
+        lists: context.storage("raw lists", u64::from(entries) * 4)?,
+        layers: context.upload("layers", &layers)?,
+        masks: context.storage("list layers", texels * 4)?,
+        changed: context.storage("lists changed", 4)?,
+    };
+    let cursors = context.storage("cursors", (texels + 1) * 4)?;
 
     use shaders::{igt_order as order, igt_scatter as scatter};
     let mut recorder = context.recorder("igt lists")?;
-    scan::record(context, &mut recorder, starts, texels + 1)?;
-    recorder.copy(starts, &cursors);
+    recorder.copy(&raw.starts, &cursors);
+    recorder.fill(&raw.changed, 0);
     let bindings = scatter::Bindings {
-        pairs: &covered.pairs,
+        tiles: &covered.tiles,
+        owners: &covered.owners,
         cursors: &cursors,
-        lists: &lists,
+        lists: &raw.lists,
     };
     let bound = context.compute::<scatter::Shader>()?.bind(&bindings)?;
-    recorder.dispatch(
-        &bound,
-        &scatter::Push {
-            items: covered.items,
-        },
-        groups(covered.items.into(), 64),
-    );
-    let bindings = order::Bindings {
-        starts,
-        lists: &lists,
-        lengths: &lengths,
-        layers: &layers,
-        masks: &masks,
+    let push = scatter::Push {
+        bits: work.bits,
+        triangles: work.reference.triangles.len() as u32,
+        tiles: covered.count,
     };
-    let bound = context.compute::<order::Shader>()?.bind(&bindings)?;
-    recorder.dispatch(
-        &bound,
-        &order::Push {
-            texels: texels as u32,
-        },
-        groups(texels, 64),
-    );
-    timings.push(context.run(recorder)?);
-    Ok(Raw {
-        starts: covered.counts.clone(),
-        lengths,
-        lists,
-        layers,
-        masks,
-    })
-}
-
-fn fill_gutter(
-    context: &Context,
-    reference: &Reference,
-    raw: &Raw,
-    needs: &Needs,
-    bits: u32,
-    timings: &mut Vec<Timings>,
-) -> Result<Gutter> {
-    if needs.pairs.is_empty() {
-        return Ok(Gutter::from_found(&[], std::iter::empty()));
-    }
-    use shaders::igt_gutter as pass;
-    let mut found = Vec::with_capacity(needs.pairs.len());
-    for block in needs.pairs.chunks(1 << 20) {
-        let pairs: Vec<[u32; 2]> = block
-            .iter()
-            .map(|p| [(p >> 8) as u32, (p & 255) as u32])
-            .collect();
-        let needs = context.upload("needs", &pairs)?;
-        let answers = context.storage("gutter answers", block.len() as u64 * 40)?;
-        let bindings = pass::Bindings {
-            starts: &raw.starts,
-            lengths: &raw.lengths,
-            lists: &raw.lists,
-            layers: &raw.layers,
-            masks: &raw.masks,
-            needs: &needs,
-            answers: &answers,
-        };
-        let bound = context.compute::<pass::Shader>()?.bind(&bindings)?;
-        let mut recorder = context.recorder("igt gutter")?;
-        let push = pass::Push {
-            line: reference.primary.line() as u32,
-            bits,
-            count: block.len() as u32,
-            reach: gutter::REACH.min(1 << bits),
-        };
-        recorder.dispatch(&bound, &push, groups(block.len() as u64, 64));
-        timings.push(context.run(recorder)?);
-        let words: Vec<[u32; 10]> = context.download(&answers)?;
-        found.extend(words[..block.len()].iter().map(|w| gutter::Found {
-            ring: w[0],
-            count: w[1],
-            triangles: std::array::from_fn(|i| w[2 + i]),
-        }));
-    }
-    Ok(Gutter::from_found(&needs.pairs, found.into_iter()))
+    recorder.dispatch(&bound, &push, groups(covered.count.into(), 64));
+    let bindings = order::Bindings {
+        starts: &raw.starts,
+        lists: &raw.lists,
+        lengths: &raw.lengths,
+        layers: &raw.layers,
+        masks: &raw.masks,
+        changed: &raw.changed,
+    };
+    let pipeline = context.compute_with::<order::Shader>(&[(order::MIXED, mixed.into())])?;
+    let bound = pipeline.bind(&bindings)?;
+    let push = order::Push {
+        texels: texels as u32,
+        mask,
+    };
+    recorder.dispatch(&bound, &push, groups(texels, 64));
+    work.run(recorder)?;
+    Ok(raw)
 }
 
 /// Brings the lists home, sorts those that were too long for the device, and closes the gaps that doubles left.
 fn download(context: &Context, raw: &Raw, bits: u32) -> Result<Lists> {
     let texels = 1usize << (2 * bits);
-    let starts: Vec<u32> = context.download(&raw.starts)?;
-    let mut lengths: Vec<u32> = context.download(&raw.lengths)?;
+    let start: Vec<u32> = context.download(&raw.starts)?;
     let mut items: Vec<u32> = context.download(&raw.lists)?;
-    items.truncate(starts[texels] as usize);
-    if sort_long(&starts, &mut lengths, &mut items) {
+    if context.download::<u32>(&raw.changed)?[0] == 0 {
+        return Ok(Lists { start, items });
+    }
+    let mut lengths: Vec<u32> = context.download(&raw.lengths)?;
+    if sort_long(&start, &mut lengths, &mut items) {
         context.write(&raw.lengths, 0, bytemuck::cast_slice(&lengths))?;
         context.write(&raw.lists, 0, bytemuck::cast_slice(&items))?;
-    }
-    if (0..texels).all(|t| starts[t] + lengths[t] == starts[t + 1]) {
-        return Ok(Lists {
-            start: starts[..=texels].to_vec(),
-            items,
-        });
     }
     let mut lists = Lists {
         start: Vec::with_capacity(texels + 1),
@@ -296,9 +179,8 @@ fn download(context: &Context, raw: &Raw, bits: u32) -> Result<Lists> {
     };
     for t in 0..texels {
         lists.start.push(lists.items.len() as u32);
-        lists
-            .items
-            .extend(&items[starts[t] as usize..(starts[t] + lengths[t]) as usize]);
+        let list = &items[start[t] as usize..(start[t] + lengths[t]) as usize];
+        lists.items.extend(list);
     }
     lists.start.push(lists.items.len() as u32);
     Ok(lists)

@@ -3,6 +3,8 @@
 //! In: what the CPU build takes, and a [`crate::gpu::Context`]. Out: the same [`Tables`], byte for byte.
 
 mod build;
+mod cover;
+mod gutter;
 mod query;
 mod scan;
 

@@ -1,15 +1,39 @@
-// Which hash texels a triangle touches: conservative, exact, in integers. Twin of src/igt/cover.rs, which explains it.
-#ifndef IGT_COVER_GLSL
-#define IGT_COVER_GLSL
+// Boxes: the texels that a triangle may touch, from its corners alone, and the tiles they are cut into. Twin of
+// src/igt/cover/boxes.rs.
+#ifndef IGT_BOXES_GLSL
+#define IGT_BOXES_GLSL
 
 #include "common/igt_line.glsl"
 
 // The octant's number in IgtBox.octant is joined by this flag where the triangle reaches into several.
 #define IGT_SEVERAL_OCTANTS 8u
+// The most texels of a tile: the bits of a mask.
+#define IGT_TILE 32u
 
 struct IgtBox {
     uint column, row, width, height, octant;
 };
+
+// Columns and rows of the tiles a box is cut into.
+uvec2 igt_tile_size(IgtBox b) {
+    if (b.width * b.height <= IGT_TILE) return uvec2(b.width, b.height);
+    if (b.height < 4u) return uvec2(IGT_TILE / b.height, b.height);
+    if (b.width < 8u) return uvec2(b.width, IGT_TILE / b.width);
+    return uvec2(8u, 4u);
+}
+
+uint igt_tiles(IgtBox b) {
+    uvec2 size = igt_tile_size(b);
+    return ((b.width + size.x - 1u) / size.x) * ((b.height + size.y - 1u) / size.y);
+}
+
+// The i-th tile of a box. Its columns are not yet taken modulo the table's width.
+IgtBox igt_tile(IgtBox b, uint i) {
+    uvec2 size = igt_tile_size(b);
+    uint across = (b.width + size.x - 1u) / size.x;
+    uvec2 at = uvec2(i % across, i / across) * size;
+    return IgtBox(b.column + at.x, b.row + at.y, min(size.x, b.width - at.x), min(size.y, b.height - at.y), b.octant);
+}
 
 uvec2 igt_rows(uint bits, int a, int b, int c) {
     int low = min(min(a, b), c), high = max(max(a, b), c);
@@ -92,10 +116,6 @@ bool igt_in_octant(bvec3 negative, ivec3 signs) {
     return true;
 }
 
-uvec2 igt_size64(uvec2 a) {
-    return int(a.y) < 0 ? igt_negate64(a) : a;
-}
-
 // A parallel vector that fits the query grid's range.
 ivec3 igt_shorten(uvec2 x, uvec2 y, uvec2 z) {
     uvec2 ax = igt_size64(x), ay = igt_size64(y), az = igt_size64(z);
@@ -148,122 +168,6 @@ IgtBox igt_clipped_box(uint bits, ivec3 v[3], uint octant) {
     low = uvec2(low.x - min(low.x, 1u), low.y - min(low.y, 1u));
     high = min(high + 1u, uvec2(most));
     return IgtBox(low.x, low.y, high.x - low.x + 1u, high.y - low.y + 1u, octant | IGT_SEVERAL_OCTANTS);
-}
-
-// Whether no edge has all corners strictly on its far side, for one of the two orientations: signs of edge i at the
-// corners are gathered as bits 0 (some >= 0) and 1 (some <= 0) of marks[i].
-uint igt_mark(int s) {
-    return uint(s >= 0) | uint(s <= 0) << 1;
-}
-
-bool igt_one_side(uvec3 marks) {
-    uint either = marks.x & marks.y & marks.z;
-    return either != 0u;
-}
-
-bool igt_touches_square(uint bits, ivec3 v[3], uvec2 texel) {
-    int shift = int(IGT_VERTEX_BITS - bits);
-    ivec2 low = ivec2(texel << shift) - (1 << (IGT_VERTEX_BITS - 1u));
-    uvec3 marks = uvec3(0u);
-    for (int i = 0; i < 3; i++) {
-        ivec2 a = v[(i + 1) % 3].xy, b = v[(i + 2) % 3].xy;
-        for (int c = 0; c < 4; c++) {
-            ivec2 p = low + ivec2((c & 1) << shift, (c >> 1) << shift);
-            marks[i] |= igt_mark(igt_sign64(igt_cross64(a.x - p.x, b.y - p.y, a.y - p.y, b.x - p.x)));
-        }
-    }
-    return igt_one_side(marks);
-}
-
-ivec2 igt_wedge_direction(uint bits, uint column) {
-    int quarter = 1 << (bits - 2u);
-    int along = int(column) & (quarter - 1);
-    int x = quarter - along, y = along;
-    switch (column >> (bits - 2u) & 3u) {
-        case 0u: return ivec2(x, y);
-        case 1u: return ivec2(-y, x);
-        case 2u: return ivec2(-x, -y);
-        default: return ivec2(y, -x);
-    }
-}
-
-bool igt_touches_wedge(uint bits, ivec3 v[3], uvec2 texel) {
-    ivec2 d0 = igt_wedge_direction(bits, texel.x), d1 = igt_wedge_direction(bits, texel.x + 1u);
-    bool beyond0 = true, beyond1 = true;
-    for (int i = 0; i < 3; i++) {
-        beyond0 = beyond0 && igt_sign64(igt_cross64(d0.x, v[i].y, d0.y, v[i].x)) < 0;
-        beyond1 = beyond1 && igt_sign64(igt_cross64(d1.x, v[i].y, d1.y, v[i].x)) > 0;
-    }
-    if (beyond0 || beyond1) return false;
-    int shift = int(IGT_VERTEX_BITS - bits);
-    int bottom = int(texel.y << shift) - (1 << (IGT_VERTEX_BITS - 1u));
-    uvec3 marks = uvec3(0u);
-    for (int i = 0; i < 3; i++) {
-        ivec3 a = v[(i + 1) % 3], b = v[(i + 2) % 3];
-        for (int c = 0; c < 4; c++) {
-            ivec2 d = (c & 1) == 0 ? d0 : d1;
-            int z = bottom + ((c >> 1) << shift);
-            uvec2 left = igt_mul64(igt_cross64(b.x, d.y, b.y, d.x), a.z - z);
-            uvec2 right = igt_mul64(igt_cross64(a.x, d.y, a.y, d.x), b.z - z);
-            marks[i] |= igt_mark(igt_sign64(igt_sub64(left, right)));
-        }
-    }
-    return igt_one_side(marks);
-}
-
-// The corners of a texel's part inside an octant: four, three on the fold, two or one where it only touches it, or none.
-int igt_cone_corners(uint bits, uvec2 texel, uint octant, out ivec3 corners[4]) {
-    int width = 1 << bits;
-    bvec3 negative = igt_negatives(octant);
-    int count = 0;
-    for (int i = 0; i < 4; i++) {
-        corners[i] = ivec3(0);
-    }
-    for (int i = 0; i < 4; i++) {
-        ivec2 at = ivec2(texel) + ivec2(int(i == 1 || i == 2), int(i >= 2));
-        ivec2 p = 2 * at - width;
-        int u = negative.x ? -p.x : p.x, v = negative.y ? -p.y : p.y;
-        if (u < 0 || v < 0 || (negative.z ? u + v < width : u + v > width)) continue;
-        ivec3 folded = negative.z ? ivec3(width - v, width - u, u + v - width) : ivec3(u, v, width - u - v);
-        corners[count] = ivec3(negative.x ? -folded.x : folded.x, negative.y ? -folded.y : folded.y, negative.z ? -folded.z : folded.z);
-        count++;
-    }
-    return count;
-}
-
-int igt_dot_sign(uvec2 x, uvec2 y, uvec2 z, ivec3 p) {
-    return igt_sign64(igt_add64(igt_add64(igt_mul64(x, p.x), igt_mul64(y, p.y)), igt_mul64(z, p.z)));
-}
-
-bool igt_touches_cone(uint bits, ivec3 v[3], uvec2 texel, uint octant) {
-    ivec3 corners[4];
-    int count = igt_cone_corners(bits, texel, octant & 7u, corners);
-    if (count == 0) return false;
-    uvec3 marks = uvec3(0u);
-    for (int i = 0; i < 3; i++) {
-        ivec3 a = v[(i + 1) % 3], b = v[(i + 2) % 3];
-        uvec2 nx = igt_cross64(a.y, b.z, a.z, b.y), ny = igt_cross64(a.z, b.x, a.x, b.z), nz = igt_cross64(a.x, b.y, a.y, b.x);
-        for (int c = 0; c < count; c++) marks[i] |= igt_mark(igt_dot_sign(nx, ny, nz, corners[c]));
-    }
-    if (!igt_one_side(marks)) return false;
-    if ((octant & IGT_SEVERAL_OCTANTS) == 0u) return true;
-    ivec3 middle = ivec3(0);
-    for (int c = 0; c < count; c++) middle += corners[c];
-    for (int c = 0; c < count; c++) {
-        ivec3 a = corners[c], b = corners[c + 1 == count ? 0 : c + 1];
-        uvec2 nx = igt_cross64(a.y, b.z, a.z, b.y), ny = igt_cross64(a.z, b.x, a.x, b.z), nz = igt_cross64(a.x, b.y, a.y, b.x);
-        int inside = igt_dot_sign(nx, ny, nz, middle);
-        bool any_inside = false;
-        for (int i = 0; i < 3; i++) any_inside = any_inside || inside * igt_dot_sign(nx, ny, nz, v[i]) >= 0;
-        if (!any_inside) return false;
-    }
-    return true;
-}
-
-bool igt_touches(uint line, uint bits, ivec3 v[3], uvec2 texel, uint octant) {
-    if (line == IGT_LINE_PARALLEL) return igt_touches_square(bits, v, texel);
-    if (line == IGT_LINE_CYLINDER) return igt_touches_wedge(bits, v, texel);
-    return igt_touches_cone(bits, v, texel, octant);
 }
 
 #endif
