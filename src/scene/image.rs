@@ -72,7 +72,10 @@ impl Image {
             )));
         }
         let texels = u64::from(width) * u64::from(height);
-        if texels * 4 > MAX_ALLOCATION {
+        // The WebP decoder holds an opaque image twice, and no limit of its own keeps it from asking: a few bytes of
+        // WebP may stand for any size.
+        let copies = 1 + u64::from(self.format() == Some(ImageFormat::WebP));
+        if texels * 4 * copies > MAX_ALLOCATION {
             return Err(self.fault(format!(
                 "{width} x {height} texels need more than {MAX_ALLOCATION} bytes"
             )));
@@ -177,6 +180,31 @@ mod tests {
         .write_to(&mut out, ImageFormat::Png)
         .unwrap();
         out.into_inner()
+    }
+
+    /// A lossless WebP whose header claims a size: after RIFF, VP8L and one byte come 14 bits of each side less one.
+    fn webp_claiming(width: u32, height: u32) -> Image {
+        let mut out = Cursor::new(Vec::new());
+        let small = image::RgbImage::from_pixel(16, 12, image::Rgb([1, 2, 3]));
+        small.write_to(&mut out, ImageFormat::WebP).unwrap();
+        let mut bytes = out.into_inner();
+        assert_eq!(&bytes[12..16], b"VP8L");
+        let rest = u32::from_le_bytes(bytes[21..25].try_into().unwrap()) & 0xf000_0000;
+        let word = rest | (width - 1) | ((height - 1) << 14);
+        bytes[21..25].copy_from_slice(&word.to_le_bytes());
+        image(bytes)
+    }
+
+    #[test]
+    fn a_webp_that_would_be_held_twice_over_the_limit_is_refused() {
+        assert_eq!(
+            webp_claiming(16, 12).decode().unwrap().dimensions(),
+            (16, 12)
+        );
+        assert_eq!(webp_claiming(8192, 8192).size().unwrap(), [8192, 8192]);
+        // Found by mutation: 488 MiB asked for at once, beside as much again for the answer.
+        let fault = webp_claiming(16_000, 7_999).decode().unwrap_err();
+        assert!(fault.to_string().contains("need more than"), "{fault}");
     }
 
     #[test]
