@@ -1,5 +1,5 @@
 //! A built model written and read again is the same, bit by bit; what does not belong together is refused; the output is
-//! valid glTF by the Khronos validator (where node and the validator are installed).
+//! valid glTF by the Khronos validator (where node and the validator are installed; tools/test sees to that).
 
 use invertex::asset::{self, Built, BuiltMesh, Model};
 use invertex::igt::{Asking, BuildOptions, Layout, Needs, Reference, build_cpu};
@@ -347,7 +347,8 @@ fn validate(files: &[PathBuf]) {
         + &String::from_utf8_lossy(&output.stderr);
     match output.status.code() {
         Some(0) => println!("{text}"),
-        Some(77) => eprintln!("SKIPPED: {text}"),
+        // 77: no validator; 127: no node to run it with.
+        Some(77 | 127) => eprintln!("SKIPPED: {text}"),
         code => panic!("validator: {code:?}\n{text}"),
     }
 }

@@ -151,12 +151,28 @@ fn tables(
     match processor {
         Processor::Cpu => igt::build_cpu(&reference, &needs, options),
         #[cfg(feature = "gpu")]
-        Processor::Device(context) => {
-            Ok(igt::gpu::build(context, &reference, &needs, options)?.tables)
-        }
+        Processor::Device(context) => on_device(context, &reference, &needs, options),
+        #[cfg(feature = "gpu")]
+        Processor::Preferably(context) => match on_device(context, &reference, &needs, options) {
+            Err(full @ (Error::Capacity { .. } | Error::OutOfMemory { .. })) => {
+                tracing::warn!("{}: {full}; built on the processor instead", mesh.name);
+                igt::build_cpu(&reference, &needs, options)
+            }
+            built => built,
+        },
         #[cfg(not(feature = "gpu"))]
         Processor::Absent(never) => match *never {},
     }
+}
+
+#[cfg(feature = "gpu")]
+fn on_device(
+    context: &crate::gpu::Context,
+    reference: &Reference,
+    needs: &Needs,
+    options: BuildOptions,
+) -> Result<Tables> {
+    Ok(igt::gpu::build(context, reference, needs, options)?.tables)
 }
 
 fn deviations(mesh: &Mesh, lods: &[Lod]) -> Vec<Deviation> {

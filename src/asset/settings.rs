@@ -43,6 +43,9 @@ pub enum Processor<'a> {
     /// On a Vulkan device.
     #[cfg(feature = "gpu")]
     Device(&'a crate::gpu::Context),
+    /// On a Vulkan device; meshes that it has no room for on all cores.
+    #[cfg(feature = "gpu")]
+    Preferably(&'a crate::gpu::Context),
     /// Never made; keeps the lifetime where there are no devices.
     #[cfg(not(feature = "gpu"))]
     #[doc(hidden)]

@@ -1,7 +1,7 @@
 //! `--device`: where to compute.
 //!
 //! In: `auto`, `cpu`, an index or part of a name. Out: [`Device`]. `auto` takes a device when there is one and says so
-//! when there is none; a device that was named must be there.
+//! when there is none, or when it has no room for a mesh; a device that was named must be there and have room.
 
 #[cfg(feature = "gpu")]
 use invertex::Error;
@@ -18,9 +18,12 @@ use super::note;
 pub(super) enum Device {
     /// The reference implementation.
     Cpu,
-    /// A Vulkan device.
+    /// A Vulkan device that was asked for.
     #[cfg(feature = "gpu")]
     Gpu(Context),
+    /// A Vulkan device that was found: what it has no room for goes to the processor.
+    #[cfg(feature = "gpu")]
+    Found(Context),
 }
 
 impl Device {
@@ -41,7 +44,11 @@ impl Device {
         }) {
             Ok(context) => {
                 tracing::info!("device: {}", context.info().name);
-                Ok(Device::Gpu(context))
+                Ok(if automatic {
+                    Device::Found(context)
+                } else {
+                    Device::Gpu(context)
+                })
             }
             Err(error @ (Error::NoDevice { .. } | Error::Requirement { .. })) if automatic => {
                 note(common, &format!("{error}; using the processor"));
@@ -67,7 +74,7 @@ impl Device {
     pub(super) fn context(&self) -> Option<&Context> {
         match self {
             Device::Cpu => None,
-            Device::Gpu(context) => Some(context),
+            Device::Gpu(context) | Device::Found(context) => Some(context),
         }
     }
 
@@ -77,6 +84,8 @@ impl Device {
             Device::Cpu => Processor::Cpu,
             #[cfg(feature = "gpu")]
             Device::Gpu(context) => Processor::Device(context),
+            #[cfg(feature = "gpu")]
+            Device::Found(context) => Processor::Preferably(context),
         }
     }
 
@@ -85,14 +94,14 @@ impl Device {
         match self {
             Device::Cpu => "cpu".to_owned(),
             #[cfg(feature = "gpu")]
-            Device::Gpu(context) => context.info().name.clone(),
+            Device::Gpu(context) | Device::Found(context) => context.info().name.clone(),
         }
     }
 
     /// Complaints of the validation layer, which are our own bugs.
     pub(super) fn check(&self) {
         #[cfg(feature = "gpu")]
-        if let Device::Gpu(context) = self {
+        if let Some(context) = self.context() {
             for message in context.validation_messages() {
                 tracing::error!("validation: {message}");
             }

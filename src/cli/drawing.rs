@@ -116,9 +116,13 @@ pub(super) fn renderer(
             return Err(Error::NoDevice { reason });
         }
         #[cfg(feature = "gpu")]
-        (Device::Gpu(context), DrawPath::Deferred) => Renderer::on(context, picture)?,
+        (Device::Gpu(context) | Device::Found(context), DrawPath::Deferred) => {
+            Renderer::on(context, picture)?
+        }
         #[cfg(feature = "gpu")]
-        (Device::Gpu(context), DrawPath::Forward) => Renderer::forward(context, picture)?,
+        (Device::Gpu(context) | Device::Found(context), DrawPath::Forward) => {
+            Renderer::forward(context, picture)?
+        }
     };
     Ok((renderer, warnings))
 }
