@@ -12,9 +12,9 @@ mod render;
 use invertex::asset::hash_for;
 use invertex::gpu::Context;
 use invertex::igt::Layout;
-use invertex::measure::{self, Region};
 use invertex::render::{Camera, Correspond, Options, Output, Picture, Rendered, Renderer, stage};
 use invertex::scene::Scene;
+use render::flip;
 use render::model::{self, Built};
 
 /// LoDs that are drawn: levels 2 and 3 of this chain.
@@ -160,17 +160,4 @@ fn far_apart(name: &str, built: &Built, contexts: &[Context]) -> Vec<String> {
         }
     }
     faults
-}
-
-fn flip(a: &Rendered, b: &Rendered) -> f64 {
-    let picture = |r: &Rendered| measure::Picture {
-        width: r.width,
-        height: r.height,
-        rgba: r.rgba8.as_chunks::<4>().0.to_vec(),
-        has_alpha: true,
-    };
-    let names = ["deferred", "forward"];
-    measure::compare(&picture(a), &picture(b), Region::Foreground, names)
-        .unwrap()
-        .flip_mean
 }

@@ -4,29 +4,11 @@
 mod render;
 
 use invertex::igt::Layout;
-use invertex::measure::{self, Region};
 use invertex::mesh::shapes;
 use invertex::param::PrimaryRequest;
-use invertex::render::{Correspond, Options, Output, Picture, Rendered, Renderer, stage};
+use invertex::render::{Correspond, Options, Output, Picture, Renderer, stage};
 use invertex::scene::Scene;
-use render::{camera, contexts, inverse, model, tangents};
-
-fn flip(a: &Rendered, b: &Rendered) -> f64 {
-    let picture = |r: &Rendered| measure::Picture {
-        width: r.width,
-        height: r.height,
-        rgba: r.rgba8.as_chunks::<4>().0.to_vec(),
-        has_alpha: true,
-    };
-    measure::compare(
-        &picture(a),
-        &picture(b),
-        Region::Foreground,
-        ["deferred", "forward"],
-    )
-    .unwrap()
-    .flip_mean
-}
+use render::{camera, contexts, flip, inverse, model, tangents};
 
 /// Mean FLIP of the forward picture against the CPU's deferred one, at most; on every device.
 fn agree(what: &str, picture: &Picture, size: [u32; 2], options: &Options, most: f64) {

@@ -176,7 +176,7 @@ IgtFound igt_lookup(IgtTables t, ivec3 q, uint asker, bool nearest) {
     IgtCandidate best = IgtCandidate(8u, 0.0, IGT_NOTHING, vec3(0.0));
     uint fetches = 0u;
     // A loop, so that a compiler that inlines everything holds one copy of the walk.
-    bool grazed = nearest && (asker & (IGT_ANY_LAYER | IGT_GRAZED)) == IGT_GRAZED;
+    bool grazed = nearest && (asker & IGT_GRAZED) != 0u;
     for (uint pass = grazed ? 1u : 0u; pass < (nearest ? 2u : 1u) && best.rank > 1u; pass++) {
         igt_scan(t, q, asker, pass == 1u, best, fetches);
     }

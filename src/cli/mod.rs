@@ -42,8 +42,8 @@ struct Common {
     /// Print one JSON document instead of a table.
     #[arg(long, global = true, help_heading = "Output")]
     json: bool,
-    /// Where to compute: `auto` (a device if there is one, else the processor), `cpu` (the reference implementation;
-    /// needs no Vulkan), the index of a device, or part of its name.
+    /// Where to compute: `auto` (a device if there is one and it has room, else the processor), `cpu` (the reference
+    /// implementation; needs no Vulkan), the index of a device, or part of its name.
     #[arg(long, global = true, default_value = "auto", value_name = "DEVICE")]
     device: String,
     /// Say more on stderr: -v what is decided, -vv how, -vvv everything.

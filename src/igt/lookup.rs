@@ -62,7 +62,7 @@ impl Asker {
                 SIDE_BACK => -1,
                 _ => 0,
             },
-            grazed: word & (ANY_LAYER | GRAZED) == GRAZED,
+            grazed: word & GRAZED != 0,
         }
     }
 
@@ -379,19 +379,20 @@ mod tests {
     fn askers_survive_their_words() {
         for layer in [None, Some(0), Some(254)] {
             for side in [-1, 0, 1] {
-                let grazed = layer.is_some() && side == 0;
-                let asker = Asker {
-                    layer,
-                    side,
-                    grazed,
-                };
-                assert_eq!(Asker::from_word(asker.word()), asker);
+                for grazed in [false, true] {
+                    let asker = Asker {
+                        layer,
+                        side,
+                        grazed,
+                    };
+                    assert_eq!(Asker::from_word(asker.word()), asker);
+                }
             }
         }
         assert_eq!(
             Asker::from_word(u32::MAX).layer,
             None,
-            "any layer, as older callers say it"
+            "no layer whatever else is said"
         );
     }
 }

@@ -11,9 +11,9 @@
 use super::joint::Joint;
 use super::simplify::Simplified;
 use super::tree::Tree;
-use crate::mesh::{Weld, components};
+use crate::mesh::{Weld, components, double_area_vector};
 use crate::param::weld::by_place;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// How near another surface must be to count, as a share of the model's largest extent.
@@ -182,8 +182,8 @@ impl Order {
 
 /// Twice a triangle's area along its normal.
 fn area_vector(positions: &[[f32; 3]], triangle: &[u32; 3]) -> Vec3 {
-    let [a, b, c] = triangle.map(|v| Vec3::from(positions[v as usize]));
-    (b - a).cross(c - a)
+    let corners = triangle.map(|v| positions[v as usize]);
+    DVec3::from(double_area_vector(corners)).as_vec3()
 }
 
 fn largest_extent(positions: &[[f32; 3]]) -> f32 {

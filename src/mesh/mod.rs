@@ -8,6 +8,7 @@ pub mod shapes;
 mod tangent;
 mod topology;
 
+pub(crate) use normal::double_area_vector;
 pub use normal::smooth_normals;
 pub use tangent::{CornerTangents, tangents};
 pub use topology::{Adjacency, Components, NONE, Weld, components};

@@ -6,6 +6,7 @@ pub(crate) mod inverse;
 pub(crate) mod model;
 
 use invertex::attribute::{AttributeSet, Material, Pixels, Sampler, SlotBinding, TextureSet};
+use invertex::measure::{self, Region};
 use invertex::mesh::Mesh;
 use invertex::render::{Camera, Picture, Projection, Rendered};
 
@@ -144,4 +145,21 @@ pub(crate) fn contexts() -> Vec<invertex::gpu::Context> {
         eprintln!("SKIPPED: no usable Vulkan device");
     }
     out
+}
+
+/// Mean FLIP of a forward picture against the deferred one.
+pub(crate) fn flip(deferred: &Rendered, forward: &Rendered) -> f64 {
+    let picture = |r: &Rendered| measure::Picture {
+        width: r.width,
+        height: r.height,
+        rgba: r.rgba8.as_chunks::<4>().0.to_vec(),
+        has_alpha: true,
+    };
+    let (pictures, names) = (
+        [picture(deferred), picture(forward)],
+        ["deferred", "forward"],
+    );
+    measure::compare(&pictures[0], &pictures[1], Region::Foreground, names)
+        .unwrap()
+        .flip_mean
 }
