@@ -9,7 +9,7 @@ mod plain;
 
 use invertex::gpu::gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use invertex::gpu::shaders::test_embed_lookup::{Bindings, Push, Shader};
-use invertex::gpu::shaders::types::{EmbedAnswer, IgtTables};
+use invertex::gpu::shaders::types::EmbedAnswer;
 use invertex::gpu::{Buffer, Context, Recorder, ShaderInterface, vk};
 use invertex::igt::{BuildOptions, Layout, Needs, Reference, Tables, build_cpu, layout};
 use invertex::mesh::{Mesh, shapes};
@@ -77,14 +77,10 @@ fn cases() -> Vec<Case> {
 
 impl Case {
     fn push(&self) -> Push {
-        let tables = IgtTables {
-            line: self.tables.primary.line() as u32,
-            table_layout: self.tables.layout as u32,
-            flat_t3: layout::is_flat(&self.tables.primary).into(),
-            bits: self.tables.bits(),
-        };
+        let [line, how, bits, entries, at, size] = self.tables.shader_words();
         Push {
-            tables,
+            tables: [line, how, bits, entries],
+            window: [at, size],
             count: self.points.len() as u32,
             nearest: 1,
         }

@@ -168,7 +168,7 @@ fn what_does_not_fit_is_named() {
     );
     type Spoil = fn(&mut serde_json::Value);
     let cases: [(Spoil, &str); 12] = [
-        (|j| j["extensions"][X]["version"] = 2.into(), "version"),
+        (|j| j["extensions"][X]["version"] = 1.into(), "version"),
         (
             |j| j["extensions"][X]["original"]["nodes"] = 99.into(),
             "nodes",

@@ -142,7 +142,7 @@ fn same_answers(context: &Context, tables: &igt::Tables, what: &str) {
         let device = igt::gpu::query(context, tables, &points, layer, nearest).unwrap();
         for (q, answer) in points.iter().zip(&device) {
             assert_eq!(
-                tables.lookup(*q, layer, nearest),
+                tables.lookup_with_cost(*q, layer, nearest),
                 *answer,
                 "{what}: {q:?} layer {layer:?}"
             );

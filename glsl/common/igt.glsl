@@ -1,10 +1,11 @@
 // The lookup: from a T3 point on the query grid to the point of the reference mesh it stands for.
-// Twin of src/igt/lookup.rs (policies) and src/igt/layout.rs (words).
+// Twin of src/igt/lookup.rs (policies) and src/igt/layout/ (words).
 //
-// The includer defines how the tables' words are loaded, and fills IgtTables:
+// The includer defines how the tables' words are loaded, and fills IgtTables (igt_tables):
 //   uvec2 igt_load_hash2(uint i)      words 2i, 2i+1 of the hash (packed)
 //   uint  igt_load_hash1(uint i)      word i of the hash (classic)
-//   uint  igt_load_list(uint i)       word i of the lists
+//   uvec4 igt_load_list4(uint i)      words 4i .. 4i+3 of the lists (packed)
+//   uint  igt_load_list1(uint i)      word i of the lists (classic)
 //   uvec4 igt_load_triangle4(uint i)  words 4i .. 4i+3 of the triangle table (packed)
 //   uint  igt_load_triangle1(uint i)  word i of the triangle table (classic)
 // No set, binding or name of a buffer is fixed here.
@@ -12,12 +13,11 @@
 #define IGT_GLSL
 
 #include "common/igt_line.glsl"
+#include "common/igt_layout.glsl"
 
-#define IGT_LAYOUT_PACKED 0u
-#define IGT_LAYOUT_CLASSIC 1u
 // Who asks: the layer of the LoD triangle's part in bits 0..7, or this flag for any;
 #define IGT_ANY_LAYER 0x80000000u
-// and the side it shows in bits 8..9 (0: any), see Asker in src/igt/lookup.rs.
+// and the side it shows in bits 8..9 (0: any), see Asker in src/igt/asker.rs.
 #define IGT_SIDE_FRONT 0x100u
 #define IGT_SIDE_BACK 0x200u
 #define IGT_SIDES 0x300u
@@ -25,18 +25,18 @@
 #define IGT_GRAZED 0x400u
 // IgtFound.triangle where nothing is mapped.
 #define IGT_NOTHING 0xffffffffu
-
-struct IgtTables {
-    uint line;        // IGT_LINE_*
-    uint table_layout; // IGT_LAYOUT_*
-    uint flat_t3;     // 1: uv charts, two coordinates
-    uint bits;        // log2 of the hash resolution
-};
+// Added to a candidate's rank: the hit shows the other side; there is no hit; the layer is another one. 8: no candidate.
+#define IGT_TURNED 1u
+#define IGT_NO_HIT 2u
+#define IGT_OTHER_LAYER 4u
+#define IGT_NO_RANK 8u
 
 struct IgtFound {
     uint triangle;
     vec3 barycentric;
-    uint fetches;
+    IgtTriangle corners; // of the triangle, on the vertex grid
+    uint fetches;        // loads of at most 128 bits
+    uint tests;          // triangles tested
     bool hit;
 };
 
@@ -45,53 +45,8 @@ struct IgtCandidate {
     float distance2;
     uint triangle;
     vec3 barycentric;
+    IgtTriangle corners;
 };
-
-struct IgtTriangle {
-    ivec3 v0, v1, v2;
-    uint layer;
-};
-
-int igt_coordinate24(uint word) {
-    return int(word & 0xffffffu) - (1 << 23);
-}
-
-int igt_coordinate20(uint word) {
-    return int((word & 0xfffffu) << 4) - (1 << 23);
-}
-
-ivec3 igt_rgb9e5(uint word, uint flat_t3) {
-    uint exponent = min(word >> 27, 15u);
-    ivec3 v = ivec3(uvec3(word & 511u, word >> 9 & 511u, word >> 18 & 511u) << exponent) - (1 << 23);
-    return flat_t3 != 0u ? ivec3(v.xy, 0) : v;
-}
-
-IgtTriangle igt_load_triangle(IgtTables t, uint triangle, inout uint fetches) {
-    IgtTriangle r;
-    if (t.table_layout == IGT_LAYOUT_CLASSIC) {
-        fetches += 3u;
-        r.v0 = igt_rgb9e5(igt_load_triangle1(3u * triangle), t.flat_t3);
-        r.v1 = igt_rgb9e5(igt_load_triangle1(3u * triangle + 1u), t.flat_t3);
-        r.v2 = igt_rgb9e5(igt_load_triangle1(3u * triangle + 2u), t.flat_t3);
-        r.layer = 0u;
-    } else if (t.flat_t3 != 0u) {
-        fetches += 1u;
-        uvec4 w = igt_load_triangle4(triangle);
-        r.v0 = ivec3(igt_coordinate20(w.x), igt_coordinate20(w.x >> 20 | w.y << 12), 0);
-        r.v1 = ivec3(igt_coordinate20(w.y >> 8), igt_coordinate20(w.y >> 28 | w.z << 4), 0);
-        r.v2 = ivec3(igt_coordinate20(w.z >> 16 | w.w << 16), igt_coordinate20(w.w >> 4), 0);
-        r.layer = w.w >> 24;
-    } else {
-        fetches += 2u;
-        uvec4 a = igt_load_triangle4(2u * triangle), b = igt_load_triangle4(2u * triangle + 1u);
-        r.v0 = ivec3(igt_coordinate24(a.x), igt_coordinate24(a.y), igt_coordinate24(a.z));
-        r.v1 = ivec3(igt_coordinate24(a.w), igt_coordinate24(b.x), igt_coordinate24(b.y));
-        uint last = a.x >> 24 | a.y >> 24 << 8 | a.z >> 24 << 16;
-        r.v2 = ivec3(igt_coordinate24(b.z), igt_coordinate24(b.w), igt_coordinate24(last));
-        r.layer = a.w >> 24;
-    }
-    return r;
-}
 
 // Offsets are scaled by 2^-20 before float arithmetic, so that no product leaves float's range.
 vec3 igt_scaled(ivec3 w) {
@@ -108,79 +63,146 @@ bool igt_better(IgtCandidate a, IgtCandidate b) {
 // 1 where the asker shows one side and the hit the other.
 uint igt_turned(uint asker, int sense) {
     uint side = asker & IGT_SIDES;
-    return uint(side == (sense > 0 ? IGT_SIDE_BACK : IGT_SIDE_FRONT));
+    return uint(side == (sense > 0 ? IGT_SIDE_BACK : IGT_SIDE_FRONT)) * IGT_TURNED;
 }
 
-void igt_consider(IgtTables t, ivec3 q, uint asker, bool nearest, uint triangle, IgtTriangle r, inout IgtCandidate best) {
-    uint other = (asker & IGT_ANY_LAYER) == 0u && (asker & 255u) != r.layer ? 4u : 0u;
+// What a triangle has to offer; a rank of IGT_NO_RANK: nothing. `region`: see igt_hit, 0 where lines are not asked.
+IgtCandidate igt_candidate(uint line, ivec3 q, uint asker, bool nearest, uint triangle, IgtTriangle r, out uint region) {
     IgtCandidate c;
     c.triangle = triangle;
-    if (nearest) {
-        vec3 w0 = igt_scaled(igt_offset(r.v0, q)), w1 = igt_scaled(igt_offset(r.v1, q)), w2 = igt_scaled(igt_offset(r.v2, q));
-        c.rank = other + 2u;
-        c.barycentric = igt_nearest(w0, w1, w2);
-        vec3 p = igt_combine(c.barycentric, w0, w1, w2);
-        c.distance2 = igt_dot(p, p);
-    } else {
-        uvec3 sides[3];
-        int sense = igt_hit(t.line, q, r.v0, r.v1, r.v2, sides);
-        if (sense == 0) return;
-        vec3 w0 = igt_scaled(igt_offset(r.v0, q)), w1 = igt_scaled(igt_offset(r.v1, q)), w2 = igt_scaled(igt_offset(r.v2, q));
-        c.rank = other + igt_turned(asker, sense);
-        c.barycentric = igt_barycentric(sides);
-        vec3 p = igt_combine(c.barycentric, w0, w1, w2);
-        c.distance2 = igt_dot(p, p);
+    c.corners = r;
+    bool grazed = nearest && (asker & IGT_GRAZED) != 0u;
+    uvec3 sides[3];
+    int sense = igt_hit(line, q, r.v0, r.v1, r.v2, sides, region);
+    vec3 w0 = igt_scaled(igt_offset(r.v0, q)), w1 = igt_scaled(igt_offset(r.v1, q)), w2 = igt_scaled(igt_offset(r.v2, q));
+    if (grazed) {
+        sense = 0;
+        region = 0u;
     }
-    if (igt_better(c, best)) best = c;
+    if (sense != 0) {
+        c.rank = igt_turned(asker, sense);
+        c.barycentric = igt_barycentric(sides);
+    } else {
+        c.rank = nearest ? IGT_NO_HIT : IGT_NO_RANK;
+        c.barycentric = igt_nearest(w0, w1, w2);
+    }
+    vec3 p = igt_combine(c.barycentric, w0, w1, w2);
+    c.distance2 = igt_dot(p, p);
+    return c;
 }
 
-// One walk over the texel's list: hits (ranks 0, 1, 4, 5) or nearest points (ranks 2 and 6).
-void igt_scan(IgtTables t, ivec3 q, uint asker, bool nearest, inout IgtCandidate best, inout uint fetches) {
-    uvec2 at = igt_texel(t.line, t.bits, q);
-    uint texel = at.y << t.bits | at.x;
+// The list of the query's texel, down through divided texels.
+IgtList igt_first(IgtTables t, ivec3 q, inout uint fetches) {
+    // Twice as fine as the texels: the lowest bits are the quadrant.
+    uint bits = t.bits;
+    uvec2 at = igt_texel(t.line, bits + 1u, q), stored = (at >> 1) - t.at;
+    uint texel = stored.y * t.size.x + stored.x;
+    if (stored.x >= t.size.x || stored.y >= t.size.y) {
+        return IgtList(uvec4(0u), 0u, IGT_REST_NONE, 0u, 1u, false, false, false, false, 0u, 0u, IGT_REST_NONE);
+    }
     fetches += 1u;
     if (t.table_layout == IGT_LAYOUT_CLASSIC) {
         uint word = igt_load_hash1(texel);
         uint start = word & 0xffffffu, len = word >> 24;
         if (len == 255u) {
-            len = igt_load_list(start);
+            len = igt_load_list1(start);
             start += 1u;
             fetches += 1u;
         }
-        for (uint i = 0u; i < len; i++) {
-            uint entry = igt_load_list(start + i);
-            fetches += 1u;
-            IgtTriangle r = igt_load_triangle(t, entry & 0xffffffu, fetches);
-            r.layer = entry >> 24;
-            igt_consider(t, q, asker, nearest, entry & 0xffffffu, r, best);
-        }
-        return;
+        return IgtList(uvec4(0u), len, IGT_REST_NONE, start, 0u, false, false, true, false, 0u, 0u, IGT_REST_NONE);
     }
-    uvec2 head = igt_load_hash2(texel);
-    uint entry = head.x, next = head.y;
-    if (entry == 0xffffffffu) return;
-    while (true) {
-        uint triangle = entry & 0x7fffffffu;
-        IgtTriangle r = igt_load_triangle(t, triangle, fetches);
-        igt_consider(t, q, asker, nearest, triangle, r, best);
-        if ((entry & 0x80000000u) != 0u) return;
-        entry = igt_load_list(next);
-        next += 1u;
+    uint divided;
+    IgtList list = igt_list_of_head(t, igt_load_hash2(texel), divided);
+    while (divided != 0u) {
+        bits += divided;
+        at = igt_texel(t.line, bits + 1u, q);
+        uvec2 within = at >> 1 & ((1u << divided) - 1u);
+        texel = list.address + (within.y << divided | within.x);
+        fetches += 1u;
+        list = igt_list_of_head(t, igt_load_hash2(texel), divided);
+    }
+    list.quadrant = 1u << ((at.y & 1u) << 1 | at.x & 1u);
+    return list;
+}
+
+// The next entry, false at the end. Mask: all ones where it has none.
+bool igt_next(IgtTables t, inout IgtList list, inout uint fetches, out uint triangle, out uint layer, out uint mask) {
+    mask = 0xffffffffu;
+    if (t.table_layout == IGT_LAYOUT_CLASSIC) {
+        if (list.left == 0u) return false;
+        uint word = igt_load_list1(list.address);
+        list.address += 1u;
+        list.left -= 1u;
+        fetches += 1u;
+        triangle = word & 0xffffffu;
+        layer = word >> 24;
+        return true;
+    }
+    if (list.left == 0u) {
+        if (list.rest == IGT_REST_NONE) return false;
+        igt_next_block(list);
         fetches += 1u;
     }
+    uint end = (1u << list.bits) - 1u, entry = list.window.x & end;
+    if (entry == end) {
+        list.left = 0u;
+        return false;
+    }
+    list.left -= 1u;
+    list.window = igt_shifted(list.window, list.bits);
+    if (list.blocks) mask = igt_take(list.window, 6u);
+    triangle = list.mixed ? entry >> t.layer_bits : entry;
+    layer = list.mixed ? entry & ((1u << t.layer_bits) - 1u) : 0u;
+    return true;
 }
 
 // The reference point that q (query grid) stands for. asker: layer and side of the LoD triangle that asks, or
 // IGT_ANY_LAYER. nearest: whether points outside every chart get the nearest listed one.
 IgtFound igt_lookup(IgtTables t, ivec3 q, uint asker, bool nearest) {
-    IgtCandidate best = IgtCandidate(8u, 0.0, IGT_NOTHING, vec3(0.0));
-    uint fetches = 0u;
-    // A loop, so that a compiler that inlines everything holds one copy of the walk.
-    bool grazed = nearest && (asker & IGT_GRAZED) != 0u;
-    for (uint pass = grazed ? 1u : 0u; pass < (nearest ? 2u : 1u) && best.rank > 1u; pass++) {
-        igt_scan(t, q, asker, pass == 1u, best, fetches);
+    IgtTriangle none = IgtTriangle(ivec3(0), ivec3(0), ivec3(0));
+    IgtCandidate best = IgtCandidate(IGT_NO_RANK, 0.0, IGT_NOTHING, vec3(0.0), none);
+    uint fetches = 0u, tests = 0u;
+    bool any = (asker & IGT_ANY_LAYER) != 0u;
+    // One walk over the asker's layer; one over all others if its own is not listed. A loop, so that a compiler that inlines
+    // everything holds one copy of the walk.
+    for (uint others = 0u; others < (any ? 1u : 2u) && best.rank == IGT_NO_RANK; others++) {
+        IgtList list = igt_first(t, q, fetches);
+        // Where all entries are of one layer they count as the asker's.
+        if (others != 0u && !list.mixed) break;
+        bool only = list.single && others == 0u && (!any || !list.mixed);
+        bool again = false;
+        uint region = 0u;
+        while (true) {
+            uint triangle, layer, mask;
+            if (!igt_next(t, list, fetches, triangle, layer, mask)) {
+                // No hit: what the first triangle's test ruled out may be nearest.
+                if (again || region == 0u || !list.sorted || !nearest || best.rank < IGT_NO_HIT) break;
+                again = true;
+                list.left = 0u;
+                list.address = list.begin;
+                list.rest = list.begin_rest;
+                continue;
+            }
+            if (list.blocks) {
+                uint here = list.sorted ? (1u << region) >> 1 : list.quadrant;
+                bool listed = here == 0u || (mask & here) != 0u;
+                if (listed == again) continue;
+            }
+            uint other = uint(list.mixed && !any && (asker & 255u) != layer);
+            if (other != others) continue;
+            IgtTriangle r = igt_load_triangle(t, triangle, fetches);
+            tests += 1u;
+            uint around;
+            IgtCandidate c = igt_candidate(t.line, q, asker, nearest, triangle, r, around);
+            if (!list.blocks) region = around;
+            if (c.rank == IGT_NO_RANK) continue;
+            c.rank += other * IGT_OTHER_LAYER;
+            if (igt_better(c, best)) best = c;
+            if (only && c.rank <= IGT_TURNED) break;
+        }
     }
-    return IgtFound(best.triangle, best.barycentric, fetches, (best.rank & 2u) == 0u && best.rank < 8u);
+    bool hit = (best.rank & IGT_NO_HIT) == 0u && best.rank < IGT_NO_RANK;
+    return IgtFound(best.triangle, best.barycentric, best.corners, fetches, tests, hit);
 }
 
 #endif

@@ -123,22 +123,22 @@ bool igt_facing(uint line, ivec3 q, ivec3 v0, ivec3 v1, ivec3 v2, int s) {
 }
 
 // The sense (1 or -1) in which the projection line through q meets the triangle, 0 where it does not; side products in
-// `sides`.
-int igt_hit(uint line, ivec3 q, ivec3 v0, ivec3 v1, ivec3 v2, out uvec3 sides[3]) {
+// `sides`. `region`: bit i where side i is positive, 1 to 6 around the triangle; 0 where all signs are equal, or one is missing.
+int igt_hit(uint line, ivec3 q, ivec3 v0, ivec3 v1, ivec3 v2, out uvec3 sides[3], out uint region) {
     ivec3 d = igt_direction(line, q);
     ivec3 w0 = igt_offset(v0, q), w1 = igt_offset(v1, q), w2 = igt_offset(v2, q);
     sides[0] = igt_side(line, d, w1, w2);
-    int s0 = igt_sign96(sides[0]);
-    if (s0 == 0) s0 = igt_tie(line, d, q, v1, v2);
-    if (s0 == 0) return 0;
     sides[1] = igt_side(line, d, w2, w0);
-    int s1 = igt_sign96(sides[1]);
-    if (s1 == 0) s1 = igt_tie(line, d, q, v2, v0);
-    if (s1 != s0) return 0;
     sides[2] = igt_side(line, d, w0, w1);
-    int s2 = igt_sign96(sides[2]);
-    if (s2 == 0) s2 = igt_tie(line, d, q, v0, v1);
-    return s2 == s0 && igt_facing(line, q, v0, v1, v2, s0) ? s0 : 0;
+    ivec3 s = ivec3(igt_sign96(sides[0]), igt_sign96(sides[1]), igt_sign96(sides[2]));
+    if (s.x == 0) s.x = igt_tie(line, d, q, v1, v2);
+    if (s.y == 0) s.y = igt_tie(line, d, q, v2, v0);
+    if (s.z == 0) s.z = igt_tie(line, d, q, v0, v1);
+    region = 0u;
+    if (s.x == 0 || s.y == 0 || s.z == 0) return 0;
+    if (s.x == s.y && s.y == s.z) return igt_facing(line, q, v0, v1, v2, s.x) ? s.x : 0;
+    region = uint(s.x > 0) | uint(s.y > 0) << 1 | uint(s.z > 0) << 2;
+    return 0;
 }
 
 vec3 igt_barycentric(uvec3 sides[3]) {

@@ -89,11 +89,8 @@ Correspondence inverse_at(uint draw, uint asker, ivec3 query, ivec3 query_x, ive
     igt_hash_base = draws.records[draw].igt[1];
     igt_list_base = draws.records[draw].igt[2];
     igt_triangle_base = draws.records[draw].igt[3];
-    IgtTables tables;
-    tables.line = draws.records[draw].igt[4];
-    tables.table_layout = draws.records[draw].igt[5];
-    tables.flat_t3 = draws.records[draw].igt[6];
-    tables.bits = draws.records[draw].igt[7];
+    IgtTables tables = igt_tables(uvec4(draws.records[draw].igt[4], draws.records[draw].igt[5], draws.records[draw].igt[6], draws.records[draw].igt[7]),
+                                 uvec2(draws.records[draw].igt[8], draws.records[draw].igt[9]));
     query = clamp(query, ivec3(-QUERY_MAX), ivec3(QUERY_MAX));
     IgtFound found = igt_lookup(tables, query, asker, true);
     Correspondence r;
@@ -109,8 +106,7 @@ Correspondence inverse_at(uint draw, uint asker, ivec3 query, ivec3 query_x, ive
         return r;
     }
     r.point.triangle = draws.records[draw].attribute_base + found.triangle;
-    uint ignored = 0u;
-    IgtTriangle c = igt_load_triangle(tables, found.triangle, ignored);
+    IgtTriangle c = found.corners;
     vec3 here = vec3(0.0);
     for (int k = 0; k < 3; k++) {
         ivec3 q = k == 0 ? query : (k == 1 ? query_x : query_y);

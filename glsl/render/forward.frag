@@ -9,9 +9,9 @@ layout(std430, binding = 4) readonly buffer AttributeTriangles { uvec4 triangles
 layout(std430, binding = 5) readonly buffer AttributeVertices { float words[]; } attribute_vertices;
 layout(std430, binding = 6) readonly buffer Materials { uint words[]; } materials;
 layout(std430, binding = 7) readonly buffer Textures { uint words[]; } textures;
-layout(std430, binding = 8) readonly buffer IgtHash { uint words[]; } igt_hash;
-layout(std430, binding = 9) readonly buffer IgtList { uint words[]; } igt_list;
-layout(std430, binding = 10) readonly buffer IgtTriangles { uint words[]; } igt_triangles;
+layout(std430, binding = 8) readonly buffer IgtHashWords { uvec2 pairs[]; } igt_hash;
+layout(std430, binding = 9) readonly buffer IgtListWords { uvec4 quads[]; } igt_list;
+layout(std430, binding = 10) readonly buffer IgtTriangleWords { uvec4 quads[]; } igt_triangles;
 // Textures of one size, format and sampler are layers of one array: no array of images is indexed by a variable.
 layout(binding = 11) uniform sampler2DArray class_0;
 layout(binding = 12) uniform sampler2DArray class_1;
@@ -41,17 +41,12 @@ uint igt_material_word(uint i) { return materials.words[i]; }
 uint igt_hash_base;
 uint igt_list_base;
 uint igt_triangle_base;
-uvec2 igt_load_hash2(uint i) {
-    uint at = igt_hash_base + 2u * i;
-    return uvec2(igt_hash.words[at], igt_hash.words[at + 1u]);
-}
-uint igt_load_hash1(uint i) { return igt_hash.words[igt_hash_base + i]; }
-uint igt_load_list(uint i) { return igt_list.words[igt_list_base + i]; }
-uvec4 igt_load_triangle4(uint i) {
-    uint at = igt_triangle_base + 4u * i;
-    return uvec4(igt_triangles.words[at], igt_triangles.words[at + 1u], igt_triangles.words[at + 2u], igt_triangles.words[at + 3u]);
-}
-uint igt_load_triangle1(uint i) { return igt_triangles.words[igt_triangle_base + i]; }
+uvec2 igt_load_hash2(uint i) { return igt_hash.pairs[igt_hash_base + i]; }
+uint igt_load_hash1(uint i) { return igt_hash.pairs[igt_hash_base + (i >> 1)][i & 1u]; }
+uvec4 igt_load_list4(uint i) { return igt_list.quads[igt_list_base + i]; }
+uint igt_load_list1(uint i) { return igt_list.quads[igt_list_base + (i >> 2)][i & 3u]; }
+uvec4 igt_load_triangle4(uint i) { return igt_triangles.quads[igt_triangle_base + i]; }
+uint igt_load_triangle1(uint i) { return igt_triangles.quads[igt_triangle_base + (i >> 2)][i & 3u]; }
 
 #define IGT_SAMPLE_ELSEWHERE
 #define RENDER_FORWARD

@@ -18,9 +18,9 @@ layout(std430, binding = 10) readonly buffer Texels1 { uint words[]; } texels_1;
 layout(std430, binding = 11) readonly buffer Texels2 { uint words[]; } texels_2;
 layout(std430, binding = 12) readonly buffer Texels3 { uint words[]; } texels_3;
 layout(std430, binding = 17) readonly buffer T3 { ivec4 points[]; } t3;
-layout(std430, binding = 18) readonly buffer IgtHash { uint words[]; } igt_hash;
-layout(std430, binding = 19) readonly buffer IgtList { uint words[]; } igt_list;
-layout(std430, binding = 20) readonly buffer IgtTriangles { uint words[]; } igt_triangles;
+layout(std430, binding = 18) readonly buffer IgtHashWords { uvec2 pairs[]; } igt_hash;
+layout(std430, binding = 19) readonly buffer IgtListWords { uvec4 quads[]; } igt_list;
+layout(std430, binding = 20) readonly buffer IgtTriangleWords { uvec4 quads[]; } igt_triangles;
 layout(std430, binding = 13) writeonly buffer Colour { uint words[]; } colour;
 layout(std430, binding = 14) writeonly buffer Linear { vec4 pixels[]; } linear;
 layout(std430, binding = 15) writeonly buffer Aov { uint words[]; } aov;
@@ -47,17 +47,12 @@ uint igt_texel_word(uint address) {
 uint igt_hash_base;
 uint igt_list_base;
 uint igt_triangle_base;
-uvec2 igt_load_hash2(uint i) {
-    uint at = igt_hash_base + 2u * i;
-    return uvec2(igt_hash.words[at], igt_hash.words[at + 1u]);
-}
-uint igt_load_hash1(uint i) { return igt_hash.words[igt_hash_base + i]; }
-uint igt_load_list(uint i) { return igt_list.words[igt_list_base + i]; }
-uvec4 igt_load_triangle4(uint i) {
-    uint at = igt_triangle_base + 4u * i;
-    return uvec4(igt_triangles.words[at], igt_triangles.words[at + 1u], igt_triangles.words[at + 2u], igt_triangles.words[at + 3u]);
-}
-uint igt_load_triangle1(uint i) { return igt_triangles.words[igt_triangle_base + i]; }
+uvec2 igt_load_hash2(uint i) { return igt_hash.pairs[igt_hash_base + i]; }
+uint igt_load_hash1(uint i) { return igt_hash.pairs[igt_hash_base + (i >> 1)][i & 1u]; }
+uvec4 igt_load_list4(uint i) { return igt_list.quads[igt_list_base + i]; }
+uint igt_load_list1(uint i) { return igt_list.quads[igt_list_base + (i >> 2)][i & 3u]; }
+uvec4 igt_load_triangle4(uint i) { return igt_triangles.quads[igt_triangle_base + i]; }
+uint igt_load_triangle1(uint i) { return igt_triangles.quads[igt_triangle_base + (i >> 2)][i & 3u]; }
 
 #include "common/igt.glsl"
 #include "render/light.glsl"

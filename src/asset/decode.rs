@@ -137,7 +137,9 @@ impl Reading<'_> {
         }
         let tables = Tables {
             layout: extension.layout,
+            format: extension.format,
             hash_size: extension.hash_size,
+            window: extension.window,
             primary: extension.primary,
             hash: self.words("hash", extension.hash)?,
             list: self.words("list", extension.list)?,

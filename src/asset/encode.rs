@@ -97,7 +97,9 @@ impl Writer<'_> {
         let extension = MeshExtension {
             primary: tables.primary,
             layout: tables.layout,
+            format: tables.format,
             hash_size: tables.hash_size,
+            window: tables.window,
             hash,
             list,
             triangle,

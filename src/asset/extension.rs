@@ -1,6 +1,6 @@
 //! The JSON of the vendor extension, as `schema/` documents it.
 
-use crate::igt::{Layout, Stats};
+use crate::igt::{Format, Layout, Stats, Window};
 use crate::param::Primary;
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ pub const EXTENSION: &str = "INVERTEX_inverse_geometric_texture";
 pub(super) const MSFT_LOD: &str = "MSFT_lod";
 
 /// Version of the extension that is written and read.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 
 /// On the root: what of the document is the original's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,8 +46,11 @@ pub(super) struct Counts {
 pub(super) struct MeshExtension {
     pub(super) primary: Primary,
     pub(super) layout: Layout,
+    pub(super) format: Format,
     /// Width and height of the hash texture, in texels.
     pub(super) hash_size: [u32; 2],
+    /// Those of them that are stored.
+    pub(super) window: Window,
     /// Buffer views of little-endian 32-bit words; `None` for a table without any.
     pub(super) hash: Option<usize>,
     pub(super) list: Option<usize>,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use invertex::asset::{BuiltMesh, Model};
 #[cfg(feature = "gpu")]
 use invertex::igt;
-use invertex::igt::Found;
+use invertex::igt::{Cost, Found};
 use invertex::param::Primary;
 use invertex::scene::read_file;
 use invertex::{Error, Result};
@@ -130,16 +130,11 @@ impl Query {
         #[cfg(feature = "gpu")]
         if let Some(context) = device.context() {
             let found = igt::gpu::query(context, tables, queries, self.layer, self.nearest)?;
-            let pairs = found.into_iter().zip(queries);
-            return Ok(pairs
-                .map(|(found, &query)| answer(found, || tables.fetches_of_miss(query)))
-                .collect());
+            return Ok(found.into_iter().map(answer).collect());
         }
         let _ = device;
-        let one = |&query: &[i32; 3]| {
-            let found: Option<Found> = tables.lookup(query, self.layer, self.nearest);
-            answer(found, || tables.fetches_of_miss(query))
-        };
+        let one =
+            |&query: &[i32; 3]| answer(tables.lookup_with_cost(query, self.layer, self.nearest));
         Ok(queries.par_iter().map(one).collect())
     }
 
@@ -165,7 +160,7 @@ fn bad_mesh(names: &[&str]) -> Error {
     )
 }
 
-fn answer(found: Option<Found>, fetches_of_miss: impl FnOnce() -> u32) -> Answer {
+fn answer((found, cost): (Option<Found>, Cost)) -> Answer {
     match found {
         Some(f) => Answer {
             triangle: f.triangle.into(),
@@ -176,7 +171,7 @@ fn answer(found: Option<Found>, fetches_of_miss: impl FnOnce() -> u32) -> Answer
         None => Answer {
             triangle: -1,
             barycentric: [0.0; 3],
-            fetches: fetches_of_miss(),
+            fetches: cost.fetches,
             hit: false,
         },
     }

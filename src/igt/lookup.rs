@@ -7,11 +7,17 @@
 //! query (*closest*, the paper's), then the lowest triangle id. Without a hit of the layer the nearest point of its listed
 //! triangles (the gutter), then a hit of another layer, then the nearest point of any. LoD triangles that projection
 //! lines run along (the sill of a window, under a cylinder) get the nearest point at once.
+//!
+//! The walk reads the records of the asker's layer only, and ends at the first hit where the list says that no other can
+//! follow; other layers are asked where the own one is not listed at all.
 //! Source: Inverse Geometric Textures, sections 2.2 and 5.
 
-use super::layout::{self, EMPTY, LAST, LONG};
-use super::{Layout, Tables};
-use crate::param::projection::{self, GridTriangle, Line};
+use super::layout;
+use super::layout::classic::LONG;
+use super::layout::packed::{self, Head, Kind, Rest, Run};
+use super::{Asker, Layout, Tables};
+use crate::param::projection::{self, GridTriangle, Sides};
+use std::ops::ControlFlow::{self, Break, Continue};
 
 /// Offsets are scaled by this before float arithmetic, so that no product leaves f32's range.
 const OFFSET_SCALE: f32 = 1.0 / (1 << 20) as f32;
@@ -29,75 +35,13 @@ pub struct Found {
     pub hit: bool,
 }
 
-/// What a lookup prefers among several answers. `None::<u8>` or a layer alone convert to it.
+/// What a lookup took, whether it found anything or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Asker {
-    /// The layer of the LoD triangle's part; none for any.
-    pub layer: Option<u8>,
-    /// The sense in which projection lines meet the LoD triangle ([`projection::orientation`]); 0 for any.
-    pub side: i32,
-    /// Projection lines run along the LoD triangle ([`projection::is_grazed`]): a small deviation moves the hit far away,
-    /// or to the wall behind. The nearest point is then the better answer, where it may be given.
-    pub grazed: bool,
-}
-
-impl Asker {
-    /// The asker as `igt_lookup` of `igt.glsl` takes it.
-    pub fn word(self) -> u32 {
-        let side = match self.side.signum() {
-            0 => 0,
-            1 => SIDE_FRONT,
-            _ => SIDE_BACK,
-        };
-        let grazed = if self.grazed { GRAZED } else { 0 };
-        self.layer.map_or(ANY_LAYER, u32::from) | side | grazed
-    }
-
-    /// The asker of a word; [`word`](Self::word) undone.
-    pub fn from_word(word: u32) -> Self {
-        Asker {
-            layer: (word & ANY_LAYER == 0).then_some(word as u8),
-            side: match word & (SIDE_FRONT | SIDE_BACK) {
-                SIDE_FRONT => 1,
-                SIDE_BACK => -1,
-                _ => 0,
-            },
-            grazed: word & GRAZED != 0,
-        }
-    }
-
-    /// Who asks for the fragments of a LoD triangle, T3 on the vertex grid.
-    pub fn of(line: Line, corners: &GridTriangle, layer: Option<u8>) -> Self {
-        Asker {
-            layer,
-            side: projection::orientation(line, corners),
-            grazed: projection::is_grazed(line, corners),
-        }
-    }
-}
-
-impl From<Option<u8>> for Asker {
-    fn from(layer: Option<u8>) -> Self {
-        Asker {
-            layer,
-            ..Asker::default()
-        }
-    }
-}
-
-/// Bits of [`Asker::word`], as in `igt.glsl`.
-const ANY_LAYER: u32 = 1 << 31;
-const SIDE_FRONT: u32 = 1 << 8;
-const SIDE_BACK: u32 = 1 << 9;
-const GRAZED: u32 = 1 << 10;
-
-/// For each triangle of a LoD the [`Asker::word`] its fragments ask with; T3 on the vertex grid.
-pub fn askers(line: Line, t3: &[[i32; 3]], triangles: &[[u32; 3]], layers: &[u8]) -> Vec<u32> {
-    let asker = |(triangle, &layer): (&[u32; 3], &u8)| {
-        let corners = triangle.map(|v| t3[v as usize]);
-        Asker::of(line, &corners, Some(layer)).word()
-    };
-    triangles.iter().zip(layers).map(asker).collect()
+pub struct Cost {
+    /// Load instructions of up to 128 bits each.
+    pub fetches: u32,
+    /// Triangles tested.
+    pub tests: u32,
 }
 
 /// Added to a candidate's rank: the hit shows the other side; there is no hit; the layer is another one.
@@ -128,271 +72,282 @@ impl Candidate {
     }
 }
 
+/// The list of a texel.
+struct List {
+    run: Run,
+    rest: Rest,
+    kind: Kind,
+    /// The quadrant of its texel in which the query lies.
+    quadrant: u32,
+}
+
+/// Which masked entries are read.
+#[derive(Clone, Copy)]
+enum Wanted {
+    All,
+    With(u32),
+    Without(u32),
+}
+
+/// One lookup on its way.
+struct Search<'a> {
+    tables: &'a Tables,
+    query: [i32; 3],
+    asker: Asker,
+    nearest: bool,
+    best: Candidate,
+    /// The region around the triangle tested last through which the line passes, see [`Sides::region`].
+    region: u32,
+    cost: Cost,
+}
+
 impl Tables {
     /// The reference point that `query` (query grid of [`Tables::primary`]) stands for. `asker`: the layer of the LoD
     /// triangle that asks and its side, or only the layer, `None` for any. `nearest`: whether points outside every
     /// chart get the nearest listed one.
     pub fn lookup(&self, query: [i32; 3], asker: impl Into<Asker>, nearest: bool) -> Option<Found> {
-        let (asker, mut fetches) = (asker.into(), 0);
-        let mut best = Candidate::NONE;
-        if !(nearest && asker.grazed) {
-            best = self.scan(query, asker, false, best, &mut fetches);
+        self.lookup_with_cost(query, asker, nearest).0
+    }
+
+    /// [`lookup`](Self::lookup), and what it took also where it finds nothing.
+    pub fn lookup_with_cost(
+        &self,
+        query: [i32; 3],
+        asker: impl Into<Asker>,
+        nearest: bool,
+    ) -> (Option<Found>, Cost) {
+        let mut search = Search {
+            tables: self,
+            query,
+            asker: asker.into(),
+            nearest,
+            best: Candidate::NONE,
+            region: 0,
+            cost: Cost::default(),
+        };
+        search.walk(false);
+        if search.best.rank == NOTHING && search.asker.layer.is_some() {
+            search.walk(true);
         }
-        if nearest && best.rank > TURNED {
-            best = self.scan(query, asker, true, best, &mut fetches);
-        }
-        (best.rank < NOTHING).then_some(Found {
+        let (best, cost) = (search.best, search.cost);
+        let found = (best.rank < NOTHING).then_some(Found {
             triangle: best.triangle,
             barycentric: best.barycentric,
-            fetches,
+            fetches: cost.fetches,
             hit: best.rank & NO_HIT == 0,
-        })
+        });
+        (found, cost)
     }
 
-    /// Loads of a lookup that finds nothing: the hash texel and its list.
-    pub fn fetches_of_miss(&self, query: [i32; 3]) -> u32 {
-        let mut fetches = 0;
-        self.scan(
-            query,
-            Asker::default(),
-            false,
-            Candidate::NONE,
-            &mut fetches,
-        );
-        fetches
+    /// The corners of a triangle as the tables hold them, on the vertex grid.
+    pub fn corners(&self, triangle: u32) -> GridTriangle {
+        let flat = layout::is_flat(&self.primary);
+        self.format.record.read(&self.triangle, triangle, flat).0
+    }
+}
+
+impl Search<'_> {
+    /// One walk over the texel's list: entries of the asker's layer, or those of all `others`.
+    fn walk(&mut self, others: bool) {
+        match self.tables.layout {
+            Layout::Packed => self.walk_packed(others),
+            Layout::Classic => self.walk_classic(others),
+        }
     }
 
-    /// One walk over the texel's list: hits, or nearest points.
-    fn scan(
-        &self,
-        query: [i32; 3],
-        asker: Asker,
-        nearest: bool,
-        mut best: Candidate,
-        fetches: &mut u32,
-    ) -> Candidate {
-        let line = self.primary.line();
-        self.for_each_entry(query, fetches, |triangle, corners, of_layer| {
-            let other = u32::from(asker.layer.is_some_and(|l| l != of_layer)) * OTHER_LAYER;
-            let w = corners.map(|v| projection::offset(v, query).map(|x| x as f32 * OFFSET_SCALE));
-            let candidate = if nearest {
-                let (barycentric, distance) = projection::nearest(w);
-                Candidate {
-                    rank: other + NO_HIT,
-                    distance,
-                    triangle,
-                    barycentric,
-                }
-            } else {
-                let Some(hit) = projection::hit(line, query, &corners) else {
-                    return;
-                };
-                let barycentric = hit.barycentric();
-                let distance = projection::squared_length(projection::combine(barycentric, w));
-                let turned = u32::from(asker.side * hit.sense < 0) * TURNED;
-                Candidate {
-                    rank: other + turned,
-                    distance,
-                    triangle,
-                    barycentric,
+    fn walk_packed(&mut self, others: bool) {
+        let format = self.tables.format;
+        let Some(mut list) = self.list() else {
+            return;
+        };
+        let kind = list.kind;
+        if others && !kind.mixed {
+            // All its entries counted as the asker's.
+            return;
+        }
+        let bits = format.entry_bits(kind.mixed);
+        while let Some(one) = list.run.next(bits, false) {
+            let (triangle, layer) = format.split(kind.mixed, one.entry);
+            if self.visit(triangle, layer, others, kind.single).is_break() {
+                return;
+            }
+        }
+        if list.rest == Rest::None {
+            return;
+        }
+        let wanted = match (kind.sorted, self.region) {
+            (true, 0) => Wanted::All,
+            (true, region) => Wanted::With(1 << (region - 1)),
+            (false, _) => Wanted::With(1 << list.quadrant),
+        };
+        if self.walk_blocks(list.rest, kind, others, wanted).is_break() {
+            return;
+        }
+        if let (true, Wanted::With(region)) = (kind.sorted, wanted)
+            && self.nearest
+            && self.best.rank >= NO_HIT
+        {
+            // No hit: what the first triangle's test ruled out may be nearest.
+            let _ = self.walk_blocks(list.rest, kind, others, Wanted::Without(region));
+        }
+    }
+
+    /// The wanted entries in blocks; breaks where nothing better can follow.
+    fn walk_blocks(
+        &mut self,
+        mut rest: Rest,
+        kind: Kind,
+        others: bool,
+        wanted: Wanted,
+    ) -> ControlFlow<()> {
+        let (tables, format) = (self.tables, self.tables.format);
+        let bits = format.entry_bits(kind.mixed);
+        loop {
+            let mut run;
+            (run, rest) = match rest {
+                Rest::None => return Continue(()),
+                Rest::Half(unit) => (packed::half_run(&tables.list, unit, bits), Rest::None),
+                Rest::Full(unit) => {
+                    let (run, last) = packed::full_run(&tables.list, unit, bits);
+                    (
+                        run,
+                        if last {
+                            Rest::None
+                        } else {
+                            Rest::Full(unit + 2)
+                        },
+                    )
                 }
             };
-            if candidate.better_than(&best) {
-                best = candidate;
-            }
-        });
-        best
-    }
-
-    fn for_each_entry(
-        &self,
-        query: [i32; 3],
-        fetches: &mut u32,
-        mut visit: impl FnMut(u32, GridTriangle, u8),
-    ) {
-        let flat = layout::is_flat(&self.primary);
-        let bits = self.bits();
-        let [x, y] = self.primary.line().texel(bits, query);
-        let texel = (y << bits | x) as usize;
-        let words = layout::triangle_words(self.layout, &self.primary);
-        let mut read = |triangle: u32, layer: Option<u8>, fetches: &mut u32| {
-            *fetches += layout::triangle_fetches(self.layout, &self.primary);
-            let record = &self.triangle[triangle as usize * words..][..words];
-            let (corners, stored) = layout::decode_triangle(self.layout, flat, record);
-            visit(triangle, corners, layer.unwrap_or(stored));
-        };
-        *fetches += 1;
-        match self.layout {
-            Layout::Packed => {
-                let (mut entry, mut next) =
-                    (self.hash[2 * texel], self.hash[2 * texel + 1] as usize);
-                if entry == EMPTY {
-                    return;
-                }
-                loop {
-                    read(entry & !LAST, None, fetches);
-                    if entry & LAST != 0 {
-                        return;
-                    }
-                    entry = self.list[next];
-                    next += 1;
-                    *fetches += 1;
-                }
-            }
-            Layout::Classic => {
-                let word = self.hash[texel];
-                let (mut start, mut length) = ((word & 0xff_ffff) as usize, word >> 24);
-                if length == LONG {
-                    length = self.list[start];
-                    start += 1;
-                    *fetches += 1;
-                }
-                for entry in &self.list[start..start + length as usize] {
-                    *fetches += 1;
-                    read(entry & 0xff_ffff, Some((entry >> 24) as u8), fetches);
+            self.cost.fetches += 1;
+            while let Some(one) = run.next(bits, true) {
+                let listed = match wanted {
+                    Wanted::All => true,
+                    Wanted::With(bit) => one.mask & bit != 0,
+                    Wanted::Without(bit) => one.mask & bit == 0,
+                };
+                if listed {
+                    let (triangle, layer) = format.split(kind.mixed, one.entry);
+                    self.visit(triangle, layer, others, kind.single)?;
                 }
             }
         }
+    }
+
+    /// The list of the query's texel, down through divided texels.
+    fn list(&mut self) -> Option<List> {
+        let (tables, line) = (self.tables, self.tables.primary.line());
+        let mut bits = tables.bits();
+        let mut at = tables.window.index(line.texel(bits, self.query))?;
+        loop {
+            self.cost.fetches += 1;
+            let words = [tables.hash[2 * at], tables.hash[2 * at + 1]];
+            match packed::head(words) {
+                Head::Empty => return None,
+                Head::List { run, rest, kind } => {
+                    let [x, y] = line.texel(bits + 1, self.query);
+                    return Some(List {
+                        run,
+                        rest,
+                        kind,
+                        quadrant: (y & 1) << 1 | x & 1,
+                    });
+                }
+                Head::Divided { first, by } => {
+                    bits += by;
+                    let [x, y] = line.texel(bits, self.query);
+                    let within = (1 << by) - 1;
+                    at = first + ((y & within) << by | x & within) as usize;
+                }
+            }
+        }
+    }
+
+    fn walk_classic(&mut self, others: bool) {
+        let (tables, bits) = (self.tables, self.tables.bits());
+        let [x, y] = tables.primary.line().texel(bits, self.query);
+        let word = tables.hash[(y << bits | x) as usize];
+        self.cost.fetches += 1;
+        let (mut start, mut length) = ((word & 0xff_ffff) as usize, word >> 24);
+        if length == LONG {
+            length = tables.list[start];
+            start += 1;
+            self.cost.fetches += 1;
+        }
+        for entry in &tables.list[start..start + length as usize] {
+            self.cost.fetches += 1;
+            // The paper's lists do not say that a hit is the only one.
+            let layer = Some((entry >> 24) as u8);
+            let _ = self.visit(entry & 0xff_ffff, layer, others, false);
+        }
+    }
+
+    /// An entry; breaks where nothing better can follow. An entry without a layer counts as the asker's: all its list is
+    /// of one layer.
+    fn visit(
+        &mut self,
+        triangle: u32,
+        layer: Option<u8>,
+        others: bool,
+        single: bool,
+    ) -> ControlFlow<()> {
+        let other = layer.is_some_and(|l| self.asker.layer.is_some_and(|own| own != l));
+        if other != others {
+            return Continue(());
+        }
+        let tables = self.tables;
+        let flat = layout::is_flat(&tables.primary);
+        let (corners, loads) = tables.format.record.read(&tables.triangle, triangle, flat);
+        self.cost.fetches += loads;
+        self.cost.tests += 1;
+        let Some(candidate) = self.candidate(triangle, &corners, u32::from(other) * OTHER_LAYER)
+        else {
+            return Continue(());
+        };
+        if candidate.better_than(&self.best) {
+            self.best = candidate;
+        }
+        // Layers may overlap one another: an asker without a layer looks on where there are several.
+        let only = single && (self.asker.layer.is_some() || layer.is_none());
+        if only && !others && candidate.rank <= TURNED {
+            Break(())
+        } else {
+            Continue(())
+        }
+    }
+
+    fn candidate(&mut self, triangle: u32, corners: &GridTriangle, rank: u32) -> Option<Candidate> {
+        let (line, query) = (self.tables.primary.line(), self.query);
+        let grazed = self.nearest && self.asker.grazed;
+        let mut hit = None;
+        self.region = 0;
+        if !grazed {
+            let sides = Sides::of(line, query, corners);
+            hit = sides.hit(line, query, corners);
+            self.region = sides.region();
+        }
+        let w = corners.map(|v| projection::offset(v, query).map(|x| x as f32 * OFFSET_SCALE));
+        if let Some(hit) = hit {
+            let barycentric = hit.barycentric();
+            let turned = u32::from(self.asker.side * hit.sense < 0) * TURNED;
+            return Some(Candidate {
+                rank: rank + turned,
+                distance: projection::squared_length(projection::combine(barycentric, w)),
+                triangle,
+                barycentric,
+            });
+        }
+        self.nearest.then(|| {
+            let (barycentric, distance) = projection::nearest(w);
+            Candidate {
+                rank: rank + NO_HIT,
+                distance,
+                triangle,
+                barycentric,
+            }
+        })
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::{BuildOptions, Needs, Reference, build_cpu};
-    use super::*;
-    use crate::mesh::{Mesh, shapes};
-    use crate::param::grid::QUERY_SHIFT;
-    use crate::param::{Axis, Primary, PrimaryKind};
-
-    /// A tube about z with an outer wall and, nine tenths as wide and facing inwards, an inner one: one part.
-    fn walls() -> Mesh {
-        let mut mesh = shapes::tube(24, 4);
-        let (count, outer) = (mesh.positions.len() as u32, mesh.triangles.len());
-        for v in 0..count as usize {
-            let [x, y, z] = mesh.positions[v];
-            mesh.positions.push([0.9 * x, 0.9 * y, z]);
-        }
-        mesh.normals = vec![[0.0, 0.0, 1.0]; mesh.positions.len()];
-        mesh.uv_sets.clear();
-        for t in 0..outer {
-            let [a, b, c] = mesh.triangles[t].map(|v| v + count);
-            mesh.triangles.push([a, c, b]);
-        }
-        mesh.triangle_material = vec![0; mesh.triangles.len()];
-        mesh
-    }
-
-    #[test]
-    fn an_outer_wall_never_answers_with_the_inner_one() {
-        let mesh = walls();
-        let outer = mesh.triangles.len() as u32 / 2;
-        let primary = Primary::centred(PrimaryKind::Cylinder(Axis::Z), &mesh).unwrap();
-        let layers = vec![0; mesh.triangles.len()];
-        let layout = Layout::Packed;
-        let reference = Reference::new(&mesh, &primary, &layers, layout).unwrap();
-        let options = BuildOptions { hash: 64, layout };
-        let tables = build_cpu(&reference, &Needs::default(), options).unwrap();
-        let side = |t: usize| projection::orientation(Line::Cylinder, &reference.corners(t));
-        assert_eq!(side(0), -side(outer as usize));
-        let mut changed = 0;
-        for (t, triangle) in reference.triangles[..outer as usize].iter().enumerate() {
-            // Just outside the inner wall, where a LoD's chord may run.
-            let corners = triangle.map(|v| reference.t3[v as usize]);
-            let query: [i32; 3] = std::array::from_fn(|k| {
-                let mean = corners.iter().map(|c| i64::from(c[k])).sum::<i64>() / 3;
-                let near = if k < 2 { mean * 92 / 100 } else { mean };
-                (near << QUERY_SHIFT) as i32
-            });
-            let ask = |side| {
-                tables
-                    .lookup(
-                        query,
-                        Asker {
-                            layer: Some(0),
-                            side,
-                            grazed: false,
-                        },
-                        false,
-                    )
-                    .unwrap()
-            };
-            assert!(ask(0).triangle >= outer, "the inner wall is closer");
-            assert_eq!(ask(side(t)).triangle, t as u32);
-            assert!(ask(-side(t)).triangle >= outer);
-            changed += 1;
-        }
-        assert!(changed > 0);
-    }
-
-    #[test]
-    fn the_orientation_is_the_sense_of_the_hits() {
-        let mesh = shapes::icosphere(2);
-        for kind in [
-            PrimaryKind::Sphere,
-            PrimaryKind::Cylinder(Axis::Z),
-            PrimaryKind::Plane(Axis::Z),
-        ] {
-            let primary = Primary::centred(kind, &mesh).unwrap();
-            let layers = vec![0; mesh.triangles.len()];
-            let reference = Reference::new(&mesh, &primary, &layers, Layout::Packed).unwrap();
-            for t in 0..reference.triangles.len() {
-                let corners = reference.corners(t);
-                let middle: [i32; 3] = std::array::from_fn(|k| {
-                    let sum: i64 = corners.iter().map(|c| i64::from(c[k])).sum();
-                    ((sum << QUERY_SHIFT) / 3) as i32
-                });
-                if let Some(hit) = projection::hit(primary.line(), middle, &corners) {
-                    assert_eq!(hit.sense, projection::orientation(primary.line(), &corners));
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn a_grazed_triangle_gets_the_nearest_point() {
-        let mesh = shapes::icosphere(2);
-        let primary = Primary::centred(PrimaryKind::Plane(Axis::Z), &mesh).unwrap();
-        let (layout, layers) = (Layout::Packed, vec![0; mesh.triangles.len()]);
-        let reference = Reference::new(&mesh, &primary, &layers, layout).unwrap();
-        let options = BuildOptions { hash: 32, layout };
-        let tables = build_cpu(&reference, &Needs::default(), options).unwrap();
-        let mut grazed = 0;
-        for t in 0..reference.triangles.len() {
-            let corners = reference.corners(t);
-            let asker = Asker::of(Line::Parallel, &corners, Some(0));
-            let middle: [i32; 3] = std::array::from_fn(|k| {
-                let sum: i64 = corners.iter().map(|c| i64::from(c[k])).sum();
-                ((sum << QUERY_SHIFT) / 3) as i32
-            });
-            let found = tables.lookup(middle, asker, true).unwrap();
-            assert_eq!((found.triangle, found.hit), (t as u32, !asker.grazed));
-            assert!(!asker.grazed || tables.lookup(middle, asker, false).is_none_or(|f| f.hit));
-            grazed += u32::from(asker.grazed);
-        }
-        assert!(
-            grazed > 0,
-            "the sphere's equator stands upright over the plane"
-        );
-    }
-
-    #[test]
-    fn askers_survive_their_words() {
-        for layer in [None, Some(0), Some(254)] {
-            for side in [-1, 0, 1] {
-                for grazed in [false, true] {
-                    let asker = Asker {
-                        layer,
-                        side,
-                        grazed,
-                    };
-                    assert_eq!(Asker::from_word(asker.word()), asker);
-                }
-            }
-        }
-        assert_eq!(
-            Asker::from_word(u32::MAX).layer,
-            None,
-            "no layer whatever else is said"
-        );
-    }
-}
+mod tests;

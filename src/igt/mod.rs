@@ -5,12 +5,13 @@
 //! triangle of the reference, at which barycentric coordinates.
 //!
 //! ```text
-//! Reference --cover--> (texel, triangle) pairs --list--> lists --gutter--> lists --layout--> Tables
+//! Reference --cover--> (texel, triangle) pairs --list--> lists --gutter--> lists --finish--> Tables
 //! ```
 //!
 //! Every pass works on integers only, so the tables of the CPU and of any GPU are equal byte for byte. Source: Inverse
 //! Geometric Textures, sections 2.1 (building), 2.2 (use) and 2.3 (data structures).
 
+mod asker;
 mod build;
 pub mod cover;
 mod finish;
@@ -22,13 +23,15 @@ mod lookup;
 mod reference;
 mod validate;
 
+pub use asker::{Asker, askers};
 pub use build::build_cpu;
 pub use gutter::{Asking, Needs};
-pub use lookup::{Asker, Found, askers};
+pub use lookup::{Cost, Found};
 pub use reference::Reference;
 
 use crate::error::{Error, Result};
 use crate::param::Primary;
+pub use layout::{Format, Window};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -36,7 +39,7 @@ use sha2::{Digest, Sha256};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Layout {
-    /// Ours: 64-bit hash texels that hold the first triangle, 20- or 24-bit coordinates in 128-bit loads.
+    /// Ours: 64-bit hash texels that hold short lists, triangles of 128 bits, crowded texels divided.
     #[default]
     Packed,
     /// The paper's: RGBA8 hash and lists, RGB9E5 triangles (section 2.3).
@@ -82,6 +85,12 @@ pub struct Stats {
     pub max_list: u32,
     /// Triangles of the reference that the grid collapsed to a line or a point in T3: nothing maps to them.
     pub collapsed_triangles: u64,
+    /// Packed: texels that are cut into smaller ones because their lists are long.
+    pub divided_texels: u64,
+    /// Packed: lists, divided texels' included, in which triangles of one layer overlap.
+    pub overlapping_lists: u64,
+    /// Classic: words lost because lists never straddle a row.
+    pub row_waste: u64,
 }
 
 /// Built tables. Words are little-endian in files.
@@ -89,11 +98,15 @@ pub struct Stats {
 pub struct Tables {
     /// How the words are to be read.
     pub layout: Layout,
+    /// What else a reader must know.
+    pub format: Format,
     /// Texels of the hash texture: width and height, equal powers of two.
     pub hash_size: [u32; 2],
+    /// Those of them that are stored.
+    pub window: Window,
     /// The primary parameterization the tables invert.
     pub primary: Primary,
-    /// The hash texture: one or two words a texel, row by row.
+    /// The hash texture's window: one or two words a texel, row by row; behind them divided texels' children.
     pub hash: Vec<u32>,
     /// The lists of triangles.
     pub list: Vec<u32>,
@@ -109,9 +122,22 @@ impl Tables {
         self.hash_size[0].trailing_zeros()
     }
 
-    /// The number of reference triangles the triangle table holds.
-    pub fn triangle_count(&self) -> usize {
-        self.triangle.len() / layout::triangle_words(self.layout, &self.primary)
+    /// How shaders are to read the tables: what `igt_tables` of `glsl/common/igt.glsl` takes.
+    pub fn shader_words(&self) -> [u32; 6] {
+        let table_layout = match self.layout {
+            Layout::Packed => 0,
+            Layout::Classic => 1,
+        };
+        let flat = u32::from(layout::is_flat(&self.primary));
+        let [at, size] = self.window.words();
+        [
+            self.primary.line() as u32,
+            table_layout | self.format.record.code() << 8 | flat << 16,
+            self.bits(),
+            self.format.id_bits | self.format.layer_bits << 8,
+            at,
+            size,
+        ]
     }
 
     /// SHA-256 over the three tables' bytes, as lower-case hexadecimal.

@@ -1,14 +1,12 @@
 //! The reference mesh on the integer grid of T3, as the build reads it.
 
 use super::Layout;
-use super::layout;
+use super::layout::{self, Format, Record};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::param::Primary;
 use crate::param::projection::GridTriangle;
-
-/// The largest number of triangles: ids have 31 bits in every table (24 in the classic layout).
-const MAX_TRIANGLES: usize = (1 << 31) - 2;
+use rayon::prelude::*;
 
 /// The reference mesh in T3: vertices rounded once, to what the layout can hold.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +15,8 @@ pub struct Reference {
     pub primary: Primary,
     /// The layout the vertices were rounded for.
     pub layout: Layout,
+    /// The format that layout takes for this mesh.
+    pub format: Format,
     /// Vertex-grid coordinates, one per vertex of the mesh.
     pub t3: Vec<[i32; 3]>,
     /// Vertex indices, one triple per triangle of the mesh, degenerate ones included.
@@ -42,24 +42,25 @@ impl Reference {
                 mesh.triangles.len()
             )));
         }
-        let most = if layout == Layout::Classic {
-            (1 << 24) - 1
-        } else {
-            MAX_TRIANGLES
-        };
-        if mesh.triangles.len() > most {
-            return Err(Error::Capacity {
-                what: format!("triangle ids of the {layout:?} layout").to_lowercase(),
-                need: mesh.triangles.len() as u64,
-                have: most as u64,
-            });
-        }
-        let t3 = (0..mesh.positions.len())
-            .map(|v| layout::round_vertex(layout, primary, primary.to_grid(primary.t3_of(mesh, v))))
+        let mut t3: Vec<[i32; 3]> = (0..mesh.positions.len())
+            .into_par_iter()
+            .map(|v| primary.to_grid(primary.t3_of(mesh, v)))
             .collect();
+        let flat = layout::is_flat(primary);
+        let record = match layout {
+            Layout::Classic => Record::Rgb9e5,
+            Layout::Packed if flat => Record::Chart,
+            Layout::Packed => Record::for_mesh(mesh.triangles.len(), |t| {
+                mesh.triangles[t].map(|v| t3[v as usize])
+            }),
+        };
+        let top_layer = layer.iter().copied().max().unwrap_or(0);
+        let format = Format::new(layout, record, mesh.triangles.len(), top_layer)?;
+        t3.par_iter_mut().for_each(|v| *v = record.round(*v, flat));
         Ok(Reference {
             primary: *primary,
             layout,
+            format,
             t3,
             triangles: mesh.triangles.clone(),
             layer: layer.to_vec(),

@@ -1,6 +1,9 @@
 //! Tables from a file are untrusted: every index a lookup would follow is checked before anything reads them.
 
-use super::layout::{self, EMPTY, LAST, LONG};
+use super::finish::MAX_BITS;
+use super::layout::classic::LONG;
+use super::layout::packed::{self, HEAD_WORDS, Head, Rest, Run};
+use super::layout::{self, Format, Window};
 use super::{BuildOptions, Layout, Tables};
 use rayon::prelude::*;
 
@@ -33,23 +36,22 @@ impl Tables {
                 "origin or scale is not a finite number".into(),
             );
         }
-        let texels = width as usize * height as usize;
-        let lengths = [
-            (
-                "hash",
-                self.hash.len(),
-                texels * layout::hash_words(self.layout),
-            ),
-            (
-                "triangle",
-                self.triangle.len(),
-                triangles * layout::triangle_words(self.layout, &self.primary),
-            ),
-        ];
-        for (name, have, want) in lengths {
-            if have != want {
-                return refuse(name, format!("{have} words where {want} belong"));
-            }
+        let flat = layout::is_flat(&self.primary);
+        if let Some(reason) = self.format.fault(self.layout, flat, triangles) {
+            return refuse("format", reason);
+        }
+        let whole = self.window == Window::whole(width);
+        if !(self.window.fits(width) && (whole || self.layout == Layout::Packed)) {
+            return refuse("window", "does not lie in the hash texture".into());
+        }
+        let words = layout::hash_words(self.layout);
+        let (have, want) = (self.hash.len(), self.window.texels() * words);
+        let divided = self.layout == Layout::Packed && have > want && have % HEAD_WORDS == 0;
+        if have != want && !divided {
+            return refuse("hash", format!("{have} words where {want} belong"));
+        }
+        if let Some((element, reason)) = self.format.record.fault(&self.triangle, triangles) {
+            return refuse(&element, reason);
         }
         let fault = match self.layout {
             Layout::Packed => self.packed_fault(triangles),
@@ -58,31 +60,40 @@ impl Tables {
         fault.map_or(Ok(()), |(element, reason)| refuse(&element, reason))
     }
 
+    /// Every entry of every block is looked at once, and every head once: heads may share blocks, and a file may say
+    /// that all share one.
     fn packed_fault(&self, triangles: usize) -> Option<(String, String)> {
-        let bad = |word: u32| (word & !LAST) as usize >= triangles;
-        if let Some(i) = self.list.par_iter().position_first(|w| bad(*w)) {
-            return Some((
-                format!("list[{i}]"),
-                format!("triangle {} of {triangles}", self.list[i] & !LAST),
-            ));
+        let blocks = |mixed| Blocks::check(&self.list, self.format, mixed, triangles);
+        let lists = [blocks(false), blocks(true)];
+        let heads = self.hash.len() / HEAD_WORDS;
+        // log2 of the resolution at which a divided texel's children lie.
+        let mut depth = vec![self.bits() as u8; heads];
+        for (at, words) in self.hash.chunks_exact(HEAD_WORDS).enumerate() {
+            let fits = match packed::head([words[0], words[1]]) {
+                Head::Empty => true,
+                Head::List { run, rest, kind } => {
+                    let lists = &lists[usize::from(kind.mixed)];
+                    lists.run_fits(run, false) && lists.rest_fits(rest)
+                }
+                Head::Divided { first, by } => {
+                    let (below, inside) = (depth[at] + by as u8, first + (1 << (2 * by)) <= heads);
+                    // Children come after their texel: no way leads back.
+                    let fits = inside && first > at && by > 0 && u32::from(below) <= MAX_BITS;
+                    if fits {
+                        let children = &mut depth[first..first + (1 << (2 * by))];
+                        children.iter_mut().for_each(|d| *d = below.max(*d));
+                    }
+                    fits
+                }
+            };
+            if !fits {
+                return Some((
+                    format!("hash[{at}]"),
+                    "its triangle or its list does not exist".into(),
+                ));
+            }
         }
-        // Every walk ends: the last word of the list carries the flag, and so does whatever lies before it or not.
-        if self.list.last().is_some_and(|w| w & LAST == 0) {
-            return Some((
-                format!("list[{}]", self.list.len() - 1),
-                "the last list has no end".into(),
-            ));
-        }
-        let fault = self.hash.par_chunks(2).position_first(|texel| {
-            texel[0] != EMPTY
-                && (bad(texel[0]) || texel[0] & LAST == 0 && texel[1] as usize >= self.list.len())
-        });
-        fault.map(|t| {
-            (
-                format!("hash[{t}]"),
-                "its triangle or its list does not exist".into(),
-            )
-        })
+        None
     }
 
     fn classic_fault(&self, triangles: usize) -> Option<(String, String)> {
@@ -114,5 +125,68 @@ impl Tables {
                 "its list or a triangle in it does not exist".into(),
             )
         })
+    }
+}
+
+/// Which blocks may be read as those of packed lists of one kind.
+struct Blocks {
+    format: Format,
+    mixed: bool,
+    triangles: usize,
+    /// By 64-bit unit: a half block there names triangles that exist.
+    half: Vec<bool>,
+    /// By 128-bit unit: so does a full block there, and all that follow up to a last one.
+    full: Vec<bool>,
+}
+
+impl Blocks {
+    fn check(list: &[u32], format: Format, mixed: bool, triangles: usize) -> Self {
+        let mut blocks = Blocks {
+            format,
+            mixed,
+            triangles,
+            half: Vec::new(),
+            full: Vec::new(),
+        };
+        if mixed && format.layer_bits == 0 {
+            return blocks;
+        }
+        let bits = format.entry_bits(mixed);
+        blocks.half = (0..list.len() / 2)
+            .into_par_iter()
+            .map(|unit| blocks.run_fits(packed::half_run(list, unit, bits), true))
+            .collect();
+        let own: Vec<(bool, bool)> = (0..list.len() / 4)
+            .into_par_iter()
+            .map(|unit| {
+                let (run, last) = packed::full_run(list, 2 * unit, bits);
+                (blocks.run_fits(run, true), last)
+            })
+            .collect();
+        let mut follows = false;
+        blocks.full = vec![false; own.len()];
+        for (fits, (run_fits, last)) in blocks.full.iter_mut().zip(&own).rev() {
+            follows = *run_fits && (*last || follows);
+            *fits = follows;
+        }
+        blocks
+    }
+
+    fn run_fits(&self, mut run: Run, masked: bool) -> bool {
+        while let Some(one) = run.next(self.format.entry_bits(self.mixed), masked) {
+            let (triangle, _) = self.format.split(self.mixed, one.entry);
+            if triangle as usize >= self.triangles {
+                return false;
+            }
+        }
+        true
+    }
+
+    fn rest_fits(&self, rest: Rest) -> bool {
+        match rest {
+            Rest::None => true,
+            Rest::Half(unit) => self.half.get(unit) == Some(&true),
+            Rest::Full(unit) => unit % 2 == 0 && self.full.get(unit / 2) == Some(&true),
+        }
     }
 }

@@ -133,26 +133,57 @@ pub struct Hit {
     pub sense: i32,
 }
 
+/// On which sides of a triangle's edges a query lies, ties broken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sides {
+    /// `D_i`.
+    pub values: [i128; 3],
+    /// Their signs after the infinitesimal step; 0 for an edge that no step can separate.
+    pub signs: [i32; 3],
+}
+
+impl Sides {
+    /// The sides of a query point.
+    pub fn of(line: Line, q: [i32; 3], triangle: &GridTriangle) -> Self {
+        let d = line.direction(q);
+        let w = triangle.map(|v| offset(v, q));
+        let others = [[1, 2], [2, 0], [0, 1]];
+        let values = others.map(|[j, k]| side(line, d, w[j], w[k]));
+        let signs = [0, 1, 2].map(|i| match values[i].signum() as i32 {
+            0 => tie(line, d, q, triangle[others[i][0]], triangle[others[i][1]]),
+            s => s,
+        });
+        Sides { values, signs }
+    }
+
+    /// Which of the six regions around the triangle the line passes through, 1 to 6: bit `i` where side `i` is positive. 0
+    /// where all signs are equal, or one is missing.
+    pub fn region(&self) -> u32 {
+        let bit = |i: usize| u32::from(self.signs[i] > 0) << i;
+        match bit(0) | bit(1) | bit(2) {
+            7 => 0,
+            _ if self.signs.contains(&0) => 0,
+            region => region,
+        }
+    }
+
+    /// The hit, if all signs are equal and it lies on the half-line.
+    pub fn hit(&self, line: Line, q: [i32; 3], triangle: &GridTriangle) -> Option<Hit> {
+        let [sign, b, c] = self.signs;
+        if sign == 0 || b != sign || c != sign {
+            return None;
+        }
+        facing(line, q, triangle, sign).then_some(Hit {
+            sides: self.values,
+            sense: sign,
+        })
+    }
+}
+
 /// Whether the projection line through `q` meets `triangle`, with ties broken so that a one-to-one surface has exactly
 /// one owner for every query point.
 pub fn hit(line: Line, q: [i32; 3], triangle: &GridTriangle) -> Option<Hit> {
-    let d = line.direction(q);
-    let w = triangle.map(|v| offset(v, q));
-    let mut sides = [0; 3];
-    let mut sign = 0;
-    for i in 0..3 {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        sides[i] = side(line, d, w[j], w[k]);
-        let s = match sides[i].signum() as i32 {
-            0 => tie(line, d, q, triangle[j], triangle[k]),
-            s => s,
-        };
-        if s == 0 || (i > 0 && s != sign) {
-            return None;
-        }
-        sign = s;
-    }
-    facing(line, q, triangle, sign).then_some(Hit { sides, sense: sign })
+    Sides::of(line, q, triangle).hit(line, q, triangle)
 }
 
 /// vertex - query, on the query grid: below 2^30 in size.

@@ -12,7 +12,7 @@ use super::picture::Picture;
 use super::shade::Drawn;
 use crate::attribute::arithmetic::{V3, add3, cross3, dot3, scale3, sub3};
 use crate::attribute::surface::SurfacePoint;
-use crate::igt::{Asker, layout};
+use crate::igt::Asker;
 use crate::param::grid::{QUERY_MAX, QUERY_SHIFT};
 use crate::param::projection::{GridTriangle, Line};
 
@@ -58,18 +58,14 @@ fn inverse(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondenc
     let t3 = drawn.vertex.map(|v| picture.t3[v as usize]);
     let query = query_point(&t3, drawn.b).map(|q| q.clamp(-QUERY_MAX, QUERY_MAX));
     let asker = Asker::from_word(drawn.asker);
-    let Some(found) = tables.lookup(query, asker, true) else {
-        // Two walks, one for hits and one for nearest points, over a list that is empty.
-        let walks = if asker.grazed { 1 } else { 2 };
+    let (found, cost) = tables.lookup_with_cost(query, asker, true);
+    let Some(found) = found else {
         return Correspondence {
             point: None,
-            fetches: walks * tables.fetches_of_miss(query),
+            fetches: cost.fetches,
         };
     };
-    let words = layout::triangle_words(tables.layout, &tables.primary);
-    let record = &tables.triangle[found.triangle as usize * words..][..words];
-    let (corners, _) =
-        layout::decode_triangle(tables.layout, layout::is_flat(&tables.primary), record);
+    let corners = tables.corners(found.triangle);
     let line = tables.primary.line();
     let here = projected(line, query, &corners);
     let moved = |b: Option<[f32; 3]>| {

@@ -7,7 +7,7 @@ use super::constants::constants;
 use super::correspond::{IDENTITY, INVERSE};
 use super::draw::DrawRecord;
 use crate::attribute::AttributeSet;
-use crate::igt::{Asker, Tables, layout};
+use crate::igt::{Asker, Tables};
 use crate::{Error, Result};
 use glam::{DMat3, DMat4};
 use std::sync::Arc;
@@ -105,28 +105,22 @@ impl Picture {
         (self.tables.len() - 1) as u32
     }
 
-    /// What a draw record says of tables `number`: the number, where its hash, list and triangle words begin when all
-    /// tables lie after each other, and how to read them.
+    /// What a draw record says of tables `number`: the number, where its hash (in pairs of words), lists and triangles (in
+    /// quadruples) begin when all tables lie after each other, and how to read them.
     fn igt_words(&self, number: u32) -> [u32; 16] {
         let before = &self.tables[..number as usize];
-        let base =
-            |words: fn(&Tables) -> &Vec<u32>| before.iter().map(|t| words(t).len() as u32).sum();
+        let base = |words: fn(&Tables) -> &Vec<u32>, size: usize| {
+            before.iter().map(|t| (words(t).len() / size) as u32).sum()
+        };
         let tables = &self.tables[number as usize];
-        let flat = u32::from(layout::is_flat(&tables.primary));
-        let how = [
-            tables.primary.line() as u32,
-            tables.layout as u32,
-            flat,
-            tables.bits(),
-        ];
         let mut out = [0; 16];
         out[..4].copy_from_slice(&[
             number,
-            base(|t| &t.hash),
-            base(|t| &t.list),
-            base(|t| &t.triangle),
+            base(|t| &t.hash, 2),
+            base(|t| &t.list, 4),
+            base(|t| &t.triangle, 4),
         ]);
-        out[4..8].copy_from_slice(&how);
+        out[4..10].copy_from_slice(&tables.shader_words());
         out
     }
 

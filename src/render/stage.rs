@@ -154,11 +154,8 @@ fn placed_lod(lod: &Lod, palette: Option<&[DMat4]>) -> Lod {
 fn level_zero(mesh: &Mesh, placed: &Mesh, tables: &Tables, layers: &[u8]) -> Lod {
     let primary = &tables.primary;
     let t3 = |v: usize| {
-        layout::round_vertex(
-            tables.layout,
-            primary,
-            primary.to_grid(primary.t3_of(mesh, v)),
-        )
+        let grid = primary.to_grid(primary.t3_of(mesh, v));
+        tables.format.record.round(grid, layout::is_flat(primary))
     };
     Lod {
         positions: placed.positions.clone(),

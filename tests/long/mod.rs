@@ -42,6 +42,11 @@ pub(crate) fn model(name: &str) -> Option<PathBuf> {
         eprintln!("SHORT: {name} is measured with INVERTEX_LONG=1");
         return None;
     }
+    found(name)
+}
+
+/// The file of a shared model, if it is here; says loudly if not.
+pub(crate) fn found(name: &str) -> Option<PathBuf> {
     let (_, file) = MODELS.iter().find(|(short, _)| *short == name).unwrap();
     let beside = || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
     let folder = std::env::var_os("INVERTEX_MODELS").map_or_else(beside, PathBuf::from);

@@ -193,7 +193,7 @@ impl Devices {
             _points.par_iter().zip(&got).for_each(|(q, got)| {
                 let device = &context.info().name;
                 assert_eq!(
-                    _tables.lookup(*q, None, false),
+                    _tables.lookup_with_cost(*q, None, false),
                     *got,
                     "{_name} on {device}: {q:?}"
                 );

@@ -1,6 +1,6 @@
 //! Tables on a device: built there by compute passes, and asked there.
 //!
-//! In: what the CPU build takes, and a [`crate::gpu::Context`]. Out: the same [`Tables`], byte for byte.
+//! In: what the CPU build takes, and a [`crate::gpu::Context`]. Out: the same [`Tables`](super::Tables), byte for byte.
 
 mod build;
 mod cover;
@@ -10,22 +10,6 @@ mod scan;
 
 pub use build::{Timed, build};
 pub use query::query;
-
-use super::{Layout, Tables, layout};
-
-/// The tables' description for shaders: `IgtTables` of `glsl/common/igt.glsl` as (line, layout, flat, bits).
-pub fn shader_tables(tables: &Tables) -> [u32; 4] {
-    let table_layout = match tables.layout {
-        Layout::Packed => 0,
-        Layout::Classic => 1,
-    };
-    [
-        tables.primary.line() as u32,
-        table_layout,
-        layout::is_flat(&tables.primary).into(),
-        tables.bits(),
-    ]
-}
 
 /// Workgroups for `threads` threads of `size` each, spread over two dimensions (the first is limited to 65535).
 pub(super) fn groups(threads: u64, size: u64) -> [u32; 3] {

@@ -1,21 +1,22 @@
-//! Lookups on a device, one thread a point. Shader: `glsl/igt/query.comp`; twin of [`Tables::lookup`].
+//! Lookups on a device, one thread a point. Shader: `glsl/igt/query.comp`; twin of [`Tables::lookup_with_cost`].
 
-use super::super::{Asker, Found, Tables};
+use super::super::{Asker, Cost, Found, Tables};
 use crate::error::Result;
 use crate::gpu::{Context, shaders::igt_query as pass};
 
-/// [`Tables::lookup`] for many points on a device; the answers are the same, bit for bit.
+/// [`Tables::lookup_with_cost`] for many points on a device; the answers are the same, bit for bit.
 pub fn query(
     context: &Context,
     tables: &Tables,
     points: &[[i32; 3]],
     asker: impl Into<Asker>,
     nearest: bool,
-) -> Result<Vec<Option<Found>>> {
+) -> Result<Vec<(Option<Found>, Cost)>> {
     if points.is_empty() {
         return Ok(Vec::new());
     }
     let asker = asker.into().word();
+    let [line, how, bits, entries, at, size] = tables.shader_words();
     let hash = context.upload("igt hash", &tables.hash)?;
     let list = context.upload("igt lists", &tables.list)?;
     let triangle = context.upload("igt triangles", &tables.triangle)?;
@@ -35,7 +36,8 @@ pub fn query(
         let bound = context.compute::<pass::Shader>()?.bind(&bindings)?;
         let mut recorder = context.recorder("query")?;
         let push = pass::Push {
-            tables: super::shader_tables(tables),
+            tables: [line, how, bits, entries],
+            window: [at, size],
             count: block.len() as u32,
             asker,
             nearest: nearest.into(),
@@ -43,18 +45,22 @@ pub fn query(
         recorder.dispatch(&bound, &push, super::groups(block.len() as u64, 64));
         context.run(recorder)?;
         let words: Vec<[u32; 8]> = context.download(&found)?;
-        answers.extend(words[..block.len()].iter().map(|w| {
-            (w[0] != u32::MAX).then(|| Found {
-                triangle: w[0],
-                barycentric: [
-                    f32::from_bits(w[1]),
-                    f32::from_bits(w[2]),
-                    f32::from_bits(w[3]),
-                ],
-                fetches: w[4],
-                hit: w[5] != 0,
-            })
-        }));
+        answers.extend(words[..block.len()].iter().map(answer));
     }
     Ok(answers)
+}
+
+/// An answer of the shader.
+fn answer(words: &[u32; 8]) -> (Option<Found>, Cost) {
+    let cost = Cost {
+        fetches: words[4],
+        tests: words[6],
+    };
+    let found = (words[0] != u32::MAX).then(|| Found {
+        triangle: words[0],
+        barycentric: [words[1], words[2], words[3]].map(f32::from_bits),
+        fetches: cost.fetches,
+        hit: words[5] != 0,
+    });
+    (found, cost)
 }

@@ -1,0 +1,209 @@
+//! How much of a texel a triangle covers: what decides the order of packed lists.
+//!
+//! In: a texel and a triangle of its list. Out: the covered share of the texel, 0 to 1.
+//!
+//! The sides of a triangle's edges are worked out at the texel's four corners; between them they are linear in a chart and
+//! inside an octant, and nearly so elsewhere, where the share is an estimate. Nothing but the order of lists, and with it
+//! the number of tests, depends on it. f64 in a fixed order, on the host: the same bits everywhere.
+
+use crate::param::grid::VERTEX_BITS;
+use crate::param::projection::{GridTriangle, Line};
+
+/// The corners of a texel: in a chart points (x, y), on a cylinder (direction, height), on a sphere directions. Exact.
+pub(super) type Corners = [[f64; 3]; 4];
+
+/// The sides of a triangle's three edges at the four corners of a texel: of one sign where the corner is inside.
+pub(super) type Sides = [[f64; 4]; 3];
+
+/// Sides smaller than this may have the wrong sign. Charts: none, they are exact below 2^53. Others: three products of up to
+/// 2^70 each, rounded.
+const DOUBT: f64 = (1u64 << 22) as f64;
+
+/// The corners of the texel (x, y) in a table of `2^bits` squared texels.
+pub(super) fn corners(line: Line, bits: u32, x: u32, y: u32) -> Corners {
+    [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| corner(line, bits, x + i, y + j))
+}
+
+fn corner(line: Line, bits: u32, x: u32, y: u32) -> [f64; 3] {
+    let linear = |t: u32| f64::from((t << (VERTEX_BITS - bits)) as i32 - (1 << (VERTEX_BITS - 1)));
+    match line {
+        Line::Parallel => [linear(x), linear(y), 0.0],
+        Line::Cylinder => {
+            let [dx, dy] = diamond(bits, x);
+            [dx, dy, linear(y)]
+        }
+        Line::Sphere => octahedral(bits, x, y),
+    }
+}
+
+/// The direction of the border left of a column, of L1 length 2^(bits - 2).
+fn diamond(bits: u32, column: u32) -> [f64; 2] {
+    let quarter = 1 << (bits - 2);
+    let along = f64::from(column & (quarter - 1));
+    let rest = f64::from(quarter) - along;
+    match column >> (bits - 2) & 3 {
+        0 => [rest, along],
+        1 => [-along, rest],
+        2 => [-rest, -along],
+        _ => [along, -rest],
+    }
+}
+
+/// The direction at a corner of the octahedral map, of L1 length 2^bits.
+fn octahedral(bits: u32, x: u32, y: u32) -> [f64; 3] {
+    let width = f64::from(1 << bits);
+    let (u, v) = (2.0 * f64::from(x) - width, 2.0 * f64::from(y) - width);
+    let z = width - u.abs() - v.abs();
+    if z >= 0.0 {
+        [u, v, z]
+    } else {
+        [
+            (width - v.abs()).copysign(u),
+            (width - u.abs()).copysign(v),
+            z,
+        ]
+    }
+}
+
+/// The sides of `triangle` at the corners of a texel.
+pub(super) fn sides(line: Line, corners: &Corners, triangle: &GridTriangle) -> Sides {
+    let t = triangle.map(|v| v.map(f64::from));
+    std::array::from_fn(|i| {
+        let (a, b) = (t[(i + 1) % 3], t[(i + 2) % 3]);
+        match line {
+            Line::Parallel => {
+                corners.map(|c| (a[0] - c[0]) * (b[1] - c[1]) - (a[1] - c[1]) * (b[0] - c[0]))
+            }
+            Line::Cylinder => corners.map(|c| {
+                let turn = |p: [f64; 3]| p[0] * c[1] - p[1] * c[0];
+                turn(b) * (a[2] - c[2]) - turn(a) * (b[2] - c[2])
+            }),
+            Line::Sphere => {
+                let n = [
+                    a[1] * b[2] - a[2] * b[1],
+                    a[2] * b[0] - a[0] * b[2],
+                    a[0] * b[1] - a[1] * b[0],
+                ];
+                corners.map(|c| c[0] * n[0] + c[1] * n[1] + c[2] * n[2])
+            }
+        }
+    })
+}
+
+/// Whether the triangle may own a query point in the texel: `false` is certain.
+pub(super) fn touches(line: Line, sides: &Sides) -> bool {
+    let doubt = if line == Line::Parallel { 0.0 } else { DOUBT };
+    let front = sides.iter().all(|s| s.iter().any(|x| *x >= -doubt));
+    let back = sides.iter().all(|s| s.iter().any(|x| *x <= doubt));
+    front || back
+}
+
+/// The share of the texel that the triangle covers.
+pub(super) fn coverage(sides: &Sides) -> f64 {
+    let total: f64 = sides.iter().flatten().sum();
+    let sign = if total < 0.0 { -1.0 } else { 1.0 };
+    let mut polygon = Polygon::square();
+    for side in sides {
+        let side = side.map(|x| x * sign);
+        if side.iter().any(|x| *x < 0.0) {
+            polygon.clip(side[0], side[1] - side[0], side[2] - side[0]);
+        }
+    }
+    polygon.area()
+}
+
+/// A convex polygon in the unit square; three cuts leave at most seven corners.
+struct Polygon {
+    points: [[f64; 2]; 8],
+    count: usize,
+}
+
+impl Polygon {
+    fn square() -> Self {
+        let mut points = [[0.0; 2]; 8];
+        points[..4].copy_from_slice(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        Polygon { points, count: 4 }
+    }
+
+    /// Keeps where `at + right x + up y` is not negative (Sutherland, Hodgman 1974).
+    fn clip(&mut self, at: f64, right: f64, up: f64) {
+        let side = |p: [f64; 2]| at + right * p[0] + up * p[1];
+        let (old, count) = (self.points, self.count);
+        self.count = 0;
+        for i in 0..count {
+            let (p, q) = (old[i], old[(i + 1) % count]);
+            let (a, b) = (side(p), side(q));
+            if a >= 0.0 {
+                self.push(p);
+            }
+            if (a < 0.0) != (b < 0.0) {
+                let t = a / (a - b);
+                self.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+            }
+        }
+    }
+
+    fn push(&mut self, p: [f64; 2]) {
+        // Rounding could cut a convex polygon oftener than three lines can; what is lost then is a sliver.
+        if self.count < self.points.len() {
+            self.points[self.count] = p;
+            self.count += 1;
+        }
+    }
+
+    fn area(&self) -> f64 {
+        let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
+        let twice: f64 = (0..self.count)
+            .map(|i| cross(self.points[i], self.points[(i + 1) % self.count]))
+            .sum();
+        (0.5 * twice).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_a_texel_is_half_a_texel() {
+        let texel = corners(Line::Parallel, 4, 8, 8);
+        let width = 1 << (VERTEX_BITS - 4);
+        for (triangle, share) in [
+            ([[0, 0, 0], [width, 0, 0], [0, width, 0]], 0.5),
+            ([[0, 0, 0], [0, width, 0], [width, 0, 0]], 0.5),
+            ([[0, 0, 0], [2 * width, 0, 0], [0, 2 * width, 0]], 1.0),
+            ([[0, 0, 0], [width / 2, 0, 0], [0, width / 2, 0]], 0.125),
+            ([[-9, 0, 0], [-9, width, 0], [-99, 0, 0]], 0.0),
+        ] {
+            let sides = sides(Line::Parallel, &texel, &triangle);
+            assert!((coverage(&sides) - share).abs() < 1e-12, "{triangle:?}");
+            assert_eq!(touches(Line::Parallel, &sides), share > 0.0);
+        }
+    }
+
+    #[test]
+    fn corners_lie_in_their_texels() {
+        for line in [Line::Parallel, Line::Cylinder, Line::Sphere] {
+            let bits = 5;
+            for texel in 0..1u32 << (2 * bits) {
+                let (x, y) = (texel & 31, texel >> bits);
+                let c = corners(line, bits, x, y);
+                // The middle of the corners belongs to the texel, or, where it lies on an octant's border, next to it.
+                let middle: [i32; 3] = std::array::from_fn(|k| {
+                    let sum: f64 = c.iter().map(|p| p[k]).sum();
+                    let scale = match line {
+                        Line::Parallel => 16.0,
+                        _ if k == 2 && line == Line::Cylinder => 16.0,
+                        _ => 1_048_576.0,
+                    };
+                    (sum * scale) as i32
+                });
+                let [i, j] = line.texel(bits, middle);
+                assert!(
+                    i.abs_diff(x) <= 1 && j.abs_diff(y) <= 1,
+                    "{line:?} {x} {y}: {i} {j}"
+                );
+            }
+        }
+    }
+}
