@@ -1,6 +1,7 @@
 // What can be fetched at a point of the reference surface. Twin of src/attribute/surface.rs (records of materials:
 // src/attribute/material.rs). The includer defines, besides what texture.glsl asks for:
 //   uvec4 igt_attribute_triangle(uint i)   word offsets of three vertices, and the material
+//   uvec4 igt_attribute_uv(uint i)         the artist's uv of a triangle's corners
 //   float igt_attribute_float(uint i)      a word of the vertices
 //   uint  igt_material_word(uint i)        a word of the material records
 #ifndef IGT_SURFACE
@@ -12,6 +13,8 @@ const uint IGT_SLOTS_AT = 16u;
 const uint IGT_SLOT_WORDS = 8u;
 const uint IGT_NO_TEXTURE = 0xffffffffu;
 const float IGT_STEEP = 1e6;
+const uint IGT_RECORD_AT = 14u;
+const uint IGT_NO_RECORD = 0xffffffffu;
 
 // A point of the reference and how its barycentrics change to the next pixel in x and in y, where that has a meaning.
 struct IgtSurfacePoint {
@@ -48,14 +51,42 @@ float igt_material_float(uint at) {
     return uintBitsToFloat(igt_material_word(at));
 }
 
+// The artist's uv of a triangle's three corners.
+struct IgtCornerUv { vec2 c0, c1, c2; };
+
+// Twin of src/attribute/uv_record.rs: six fields of 20 bits, in steps of 2^-19 from a whole number on.
+IgtCornerUv igt_uv_record(uvec4 w) {
+    uvec2 f0 = uvec2(w.x, w.x >> 20 | w.y << 12) & 0xfffffu;
+    uvec2 f1 = uvec2(w.y >> 8, w.y >> 28 | w.z << 4) & 0xfffffu;
+    uvec2 f2 = uvec2(w.z >> 16 | w.w << 16, w.w >> 4) & 0xfffffu;
+    vec2 whole = vec2(uvec2(w.w >> 24 & 15u, w.w >> 28)) - 8.0;
+    precise vec2 c0 = vec2(f0) * (1.0 / 524288.0) + whole;
+    precise vec2 c1 = vec2(f1) * (1.0 / 524288.0) + whole;
+    precise vec2 c2 = vec2(f2) * (1.0 / 524288.0) + whole;
+    return IgtCornerUv(c0, c1, c2);
+}
+
+// Uv of the corners from their vertices.
+IgtCornerUv igt_vertex_uv(uvec4 corner, uint word) {
+    return IgtCornerUv(vec2(igt_attribute_float(corner.x + word), igt_attribute_float(corner.x + word + 1u)),
+                       vec2(igt_attribute_float(corner.y + word), igt_attribute_float(corner.y + word + 1u)),
+                       vec2(igt_attribute_float(corner.z + word), igt_attribute_float(corner.z + word + 1u)));
+}
+
+vec2 igt_weighted_uv(IgtCornerUv c, vec3 b) {
+    precise vec2 r = b.x * c.c0 + b.y * c.c1 + b.z * c.c2;
+    return r;
+}
+
 // Uv of a texture slot and its gradients.
-IgtUvGradient igt_slot_uv(uvec4 corner, uint at, IgtSurfacePoint p) {
+IgtUvGradient igt_slot_uv(uvec4 corner, uvec4 record, uint at, IgtSurfacePoint p) {
     uint word = igt_material_word(at + 1u);
     vec4 m = vec4(igt_material_float(at + 2u), igt_material_float(at + 3u), igt_material_float(at + 4u), igt_material_float(at + 5u));
     vec2 shift = vec2(igt_material_float(at + 6u), igt_material_float(at + 7u));
-    vec2 c = vec2(igt_weighted(corner, word, p.b), igt_weighted(corner, word + 1u, p.b));
-    vec2 cx = vec2(igt_weighted(corner, word, p.dx), igt_weighted(corner, word + 1u, p.dx));
-    vec2 cy = vec2(igt_weighted(corner, word, p.dy), igt_weighted(corner, word + 1u, p.dy));
+    IgtCornerUv corners = igt_uv_record(record);
+    bool recorded = record.w != IGT_NO_RECORD && word == igt_material_word(corner.w * IGT_MATERIAL_WORDS + IGT_RECORD_AT);
+    if (!recorded) corners = igt_vertex_uv(corner, word);
+    vec2 c = igt_weighted_uv(corners, p.b), cx = igt_weighted_uv(corners, p.dx), cy = igt_weighted_uv(corners, p.dy);
     precise vec2 uv = vec2(m.x * c.x + m.y * c.y + shift.x, m.z * c.x + m.w * c.y + shift.y);
     precise vec2 dx = vec2(m.x * cx.x + m.y * cx.y, m.z * cx.x + m.w * cx.y);
     precise vec2 dy = vec2(m.x * cy.x + m.y * cy.y, m.z * cy.x + m.w * cy.y);
@@ -63,13 +94,13 @@ IgtUvGradient igt_slot_uv(uvec4 corner, uint at, IgtSurfacePoint p) {
 }
 
 // The texture of slot `slot`, or `missing` where there is none.
-vec4 igt_slot(uvec4 corner, uint slot, IgtSurfacePoint p, vec4 missing) {
+vec4 igt_slot(uvec4 corner, uvec4 record, uint slot, IgtSurfacePoint p, vec4 missing) {
     uint at = corner.w * IGT_MATERIAL_WORDS + IGT_SLOTS_AT + slot * IGT_SLOT_WORDS;
     uint id = igt_material_word(at);
     if (id == IGT_NO_TEXTURE) {
         return missing;
     }
-    return igt_sample(id, igt_slot_uv(corner, at, p));
+    return igt_sample(id, igt_slot_uv(corner, record, at, p));
 }
 
 // Two-level normal: the reference's interpolated one, tilted by the artist's map (`texel`) in the reference's tangent frame.
@@ -100,6 +131,7 @@ vec3 igt_two_level_normal(uvec4 corner, IgtSurfacePoint p, vec4 texel, vec4 worl
 // Everything the material says at p.
 IgtSurface igt_surface(IgtSurfacePoint p, vec4 world[3], vec4 normal[3]) {
     uvec4 corner = igt_attribute_triangle(p.triangle);
+    uvec4 record = igt_attribute_uv(p.triangle);
     uint m = corner.w * IGT_MATERIAL_WORDS;
     vec4 texel = vec4(1.0);
     vec4 orm = vec4(1.0);
@@ -108,7 +140,7 @@ IgtSurface igt_surface(IgtSurfacePoint p, vec4 world[3], vec4 normal[3]) {
     vec3 glow = vec3(1.0);
     // One copy of the sampling code for all slots.
     for (uint slot = 0u; slot < 5u; slot++) {
-        vec4 value = igt_slot(corner, slot, p, vec4(1.0));
+        vec4 value = igt_slot(corner, record, slot, p, vec4(1.0));
         if (slot == 0u) texel = value;
         if (slot == 1u) orm = value;
         if (slot == 2u) bump = value;

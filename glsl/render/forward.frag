@@ -5,7 +5,7 @@
 #include "render/draw.glsl"
 
 layout(std430, binding = 0) readonly buffer Draws { DrawRecord records[]; } draws;
-layout(std430, binding = 4) readonly buffer AttributeTriangles { uvec4 triangles[]; } attribute_triangles;
+layout(std430, binding = 4) readonly buffer AttributeTriangles { uvec4 quads[]; } attribute_triangles;
 layout(std430, binding = 5) readonly buffer AttributeVertices { float words[]; } attribute_vertices;
 layout(std430, binding = 6) readonly buffer Materials { uint words[]; } materials;
 layout(std430, binding = 7) readonly buffer Textures { uint words[]; } textures;
@@ -34,7 +34,8 @@ layout(location = 1) out uvec4 ids;
 layout(location = 2) out uint fetches;
 layout(depth_greater) out float gl_FragDepth;
 
-uvec4 igt_attribute_triangle(uint i) { return attribute_triangles.triangles[i]; }
+uvec4 igt_attribute_triangle(uint i) { return attribute_triangles.quads[2u * i]; }
+uvec4 igt_attribute_uv(uint i) { return attribute_triangles.quads[2u * i + 1u]; }
 float igt_attribute_float(uint i) { return attribute_vertices.words[i]; }
 uint igt_material_word(uint i) { return materials.words[i]; }
 

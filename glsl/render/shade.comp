@@ -9,7 +9,7 @@ layout(std430, binding = 1) readonly buffer Corners { uvec4 triangles[]; } corne
 layout(std430, binding = 2) readonly buffer ProjectedVertices { Projected vertices[]; } projected;
 layout(std430, binding = 3) readonly buffer Positions { float words[]; } positions;
 layout(std430, binding = 4) readonly buffer Constants { float words[]; } constants;
-layout(std430, binding = 5) readonly buffer AttributeTriangles { uvec4 triangles[]; } attribute_triangles;
+layout(std430, binding = 5) readonly buffer AttributeTriangles { uvec4 quads[]; } attribute_triangles;
 layout(std430, binding = 6) readonly buffer AttributeVertices { float words[]; } attribute_vertices;
 layout(std430, binding = 7) readonly buffer Materials { uint words[]; } materials;
 layout(std430, binding = 8) readonly buffer Textures { uint words[]; } textures;
@@ -28,7 +28,8 @@ layout(binding = 16, r32ui) uniform readonly uimage2D ids;
 
 uint igt_texture_word(uint i) { return textures.words[i]; }
 float igt_srgb_decoded(uint code) { return constants.words[code]; }
-uvec4 igt_attribute_triangle(uint i) { return attribute_triangles.triangles[i]; }
+uvec4 igt_attribute_triangle(uint i) { return attribute_triangles.quads[2u * i]; }
+uvec4 igt_attribute_uv(uint i) { return attribute_triangles.quads[2u * i + 1u]; }
 float igt_attribute_float(uint i) { return attribute_vertices.words[i]; }
 uint igt_material_word(uint i) { return materials.words[i]; }
 

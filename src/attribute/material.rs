@@ -8,6 +8,8 @@ pub(crate) const MATERIAL_WORDS: usize = 64;
 /// Where the texture slots begin, and the words of each.
 pub(crate) const SLOTS_AT: usize = 16;
 pub(crate) const SLOT_WORDS: usize = 8;
+/// Where a record says which uv triangles' records hold, as a word of a vertex.
+pub(crate) const RECORD_AT: usize = 14;
 /// A slot without a texture.
 pub(crate) const NO_TEXTURE: u32 = u32::MAX;
 
@@ -92,6 +94,13 @@ impl Default for Material {
 }
 
 impl Material {
+    /// The word of a vertex where the uv begins that triangles' records hold: the base colour's, or the first set.
+    fn recorded_uv(&self, uv_sets: usize) -> u32 {
+        let set = self.slots[0].map_or(0, |slot| slot.uv_set);
+        let set = if (set as usize) < uv_sets { set } else { 0 };
+        super::surface::UV_AT as u32 + 2 * set
+    }
+
     /// The record. `uv_sets` is how many uv sets the vertices carry; a slot that asks for another is left out.
     pub(crate) fn words(&self, uv_sets: usize) -> [u32; MATERIAL_WORDS] {
         let mut words = [0u32; MATERIAL_WORDS];
@@ -115,6 +124,7 @@ impl Material {
         );
         words[12] = self.alpha as u32;
         words[13] = u32::from(self.unlit);
+        words[RECORD_AT] = self.recorded_uv(uv_sets);
         for (k, slot) in self.slots.iter().enumerate() {
             let at = SLOTS_AT + k * SLOT_WORDS;
             match slot {

@@ -10,6 +10,7 @@ mod mips;
 pub(crate) mod sample;
 pub(crate) mod surface;
 pub(crate) mod texture;
+mod uv_record;
 
 pub use from_scene::attributes_of;
 pub use material::{Alpha, Material, Slot, SlotBinding};

@@ -3,13 +3,14 @@
 //! In: a reference triangle, barycentrics there and at the neighbouring pixels. Out: [`Surface`]: colour, two-level
 //! normal, metalness, roughness, occlusion, emission, all filtered.
 //!
-//! Every mesh's triangles and vertices lie in two runs of words: for a triangle the word offsets of its three vertices
-//! and its material; for a vertex normal, tangent, colour and the uv sets.
+//! Every mesh's triangles and vertices lie in two runs of words: for a triangle the word offsets of its three vertices,
+//! its material and the artist's uv ([`uv_record`]); for a vertex normal, tangent, colour and the uv sets.
 
 use super::arithmetic::{V3, add3, cross3, dot3, mul3, scale3, unit3};
-use super::material::{MATERIAL_WORDS, Material, NO_TEXTURE, SLOT_WORDS, SLOTS_AT};
+use super::material::{MATERIAL_WORDS, Material, NO_TEXTURE, RECORD_AT, SLOT_WORDS, SLOTS_AT};
 use super::sample::UvGradient;
 use super::texture::TextureSet;
+use super::uv_record::{self, CornerUv};
 use crate::mesh::Mesh;
 use crate::{Error, Result};
 
@@ -21,8 +22,8 @@ const STEEP: f32 = 1e6;
 /// All that can be fetched of the reference meshes of a picture.
 #[derive(Clone, Debug, Default)]
 pub struct AttributeSet {
-    /// Word offsets of the three vertices, and the material.
-    pub(crate) triangles: Vec<[u32; 4]>,
+    /// Of each triangle word offsets of the three vertices and the material, then the uv record.
+    pub(crate) triangles: Vec<[[u32; 4]; 2]>,
     /// Vertices, bits of floats.
     pub(crate) vertices: Vec<u32>,
     /// Material records.
@@ -102,7 +103,9 @@ impl AttributeSet {
         for (triangle, material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
             let [a, b, c] = triangle.map(|v| (base + v as usize * stride) as u32);
             let material = (*material as usize).min(self.material_count().saturating_sub(1)) as u32;
-            self.triangles.push([a, b, c, material]);
+            let corner = [a, b, c, material];
+            let uv = self.vertex_uv(corner, self.recorded_uv(material));
+            self.triangles.push([corner, uv_record::encode(&uv)]);
         }
         Ok(first)
     }
@@ -121,6 +124,25 @@ impl AttributeSet {
                 .and_then(|s| s.get(vertex))
                 .copied()
                 .unwrap_or([0.0; 2]));
+        }
+    }
+
+    /// The word of a vertex where the uv begins that a triangle's record holds.
+    fn recorded_uv(&self, material: u32) -> u32 {
+        let at = material as usize * MATERIAL_WORDS + RECORD_AT;
+        self.materials.get(at).copied().unwrap_or(UV_AT as u32)
+    }
+
+    /// Uv of the three corners from their vertices.
+    fn vertex_uv(&self, corner: [u32; 4], word: u32) -> CornerUv {
+        [0, 1, 2].map(|i| [0, 1].map(|k| self.float(corner[i] + word + k)))
+    }
+
+    /// Loads of at most 128 bits that the artist's uv of a triangle takes: its record, or its vertices and their numbers.
+    pub fn uv_fetches(&self, triangle: u32) -> u32 {
+        match uv_record::decode(self.triangles[triangle as usize][1]) {
+            Some(_) => 1,
+            None => 5,
         }
     }
 
@@ -147,7 +169,7 @@ impl AttributeSet {
     fn slot(
         &self,
         decode: &[f32],
-        corner: [u32; 4],
+        [corner, record]: [[u32; 4]; 2],
         slot: u32,
         p: &SurfacePoint,
         missing: [f32; 4],
@@ -159,11 +181,17 @@ impl AttributeSet {
         }
         let word = self.materials[at as usize + 1];
         let m = [2, 3, 4, 5, 6, 7].map(|i| self.material_float(at + i));
-        let [u, v] = [0, 1].map(|i| self.weighted(corner, word + i, p.b));
+        let recorded = (word == self.recorded_uv(corner[3]))
+            .then(|| uv_record::decode(record))
+            .flatten();
+        let c = recorded.unwrap_or_else(|| self.vertex_uv(corner, word));
+        let weighted =
+            |b: [f32; 3]| [0, 1].map(|k| b[0] * c[0][k] + b[1] * c[1][k] + b[2] * c[2][k]);
+        let [u, v] = weighted(p.b);
         let uv = [m[0] * u + m[1] * v + m[4], m[2] * u + m[3] * v + m[5]];
         let gradient = |d: Option<[f32; 3]>| match d {
             Some(d) => {
-                let [u, v] = [0, 1].map(|i| self.weighted(corner, word + i, d));
+                let [u, v] = weighted(d);
                 [m[0] * u + m[1] * v, m[2] * u + m[3] * v]
             }
             None => [STEEP, STEEP],
@@ -178,21 +206,22 @@ impl AttributeSet {
 
     /// Everything the material says at `p`.
     pub(crate) fn surface(&self, decode: &[f32], p: &SurfacePoint, frame: &Frame) -> Surface {
-        let corner = self.triangles[p.triangle as usize];
+        let triangle = self.triangles[p.triangle as usize];
+        let corner = triangle[0];
         let m = corner[3] * MATERIAL_WORDS as u32;
         let white = [1.0; 4];
-        let texel = self.slot(decode, corner, 0, p, white);
+        let texel = self.slot(decode, triangle, 0, p, white);
         let color = [0, 1, 2, 3].map(|i| self.weighted(corner, 7 + i, p.b));
         let base: [f32; 4] =
             std::array::from_fn(|i| texel[i] * self.material_float(m + i as u32) * color[i]);
-        let orm = self.slot(decode, corner, 1, p, white);
-        let occlusion = self.slot(decode, corner, 3, p, white)[0];
-        let emissive = self.slot(decode, corner, 4, p, white);
+        let orm = self.slot(decode, triangle, 1, p, white);
+        let occlusion = self.slot(decode, triangle, 3, p, white)[0];
+        let emissive = self.slot(decode, triangle, 4, p, white);
         let strength = self.material_float(m + 10);
         let factor = [0, 1, 2].map(|i| self.material_float(m + 4 + i));
         Surface {
             base,
-            normal: self.normal(decode, corner, p, frame),
+            normal: self.normal(decode, triangle, p, frame),
             emissive: mul3(factor, [emissive[0], emissive[1], emissive[2]]),
             metallic: orm[2] * self.material_float(m + 7),
             roughness: orm[1] * self.material_float(m + 8),
@@ -203,7 +232,14 @@ impl AttributeSet {
     }
 
     /// Two-level normal: the reference's interpolated one, tilted by the artist's map in the reference's tangent frame.
-    fn normal(&self, decode: &[f32], corner: [u32; 4], p: &SurfacePoint, frame: &Frame) -> V3 {
+    fn normal(
+        &self,
+        decode: &[f32],
+        triangle: [[u32; 4]; 2],
+        p: &SurfacePoint,
+        frame: &Frame,
+    ) -> V3 {
+        let corner = triangle[0];
         let row = |r: &[f32; 4]| [r[0], r[1], r[2]];
         let object = self.weighted3(corner, 0, p.b);
         let n = unit3(
@@ -211,7 +247,7 @@ impl AttributeSet {
             [0.0, 0.0, 1.0],
         );
         let flat = [0.5, 0.5, 1.0, 1.0];
-        let texel = self.slot(decode, corner, 2, p, flat);
+        let texel = self.slot(decode, triangle, 2, p, flat);
         let object = self.weighted3(corner, 3, p.b);
         let t = frame.world.each_ref().map(|r| dot3(row(r), object));
         let slot = corner[3] * MATERIAL_WORDS as u32 + SLOTS_AT as u32 + 2 * SLOT_WORDS as u32;
