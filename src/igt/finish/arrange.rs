@@ -11,9 +11,9 @@
 use super::super::Reference;
 use super::super::layout::packed::{Kind, Masked, inline};
 use super::near;
-use super::sides::{apart, regions};
+use super::sides::{Piece, apart, regions};
 use super::weigh::{self, Corners};
-use crate::param::projection::{GridTriangle, Line};
+use crate::param::projection::Line;
 
 /// log2 of the resolution at which the smallest texels lie.
 pub(in super::super) const MAX_BITS: u32 = 19;
@@ -89,11 +89,14 @@ impl Texel {
     }
 }
 
+/// Lists up to this long are put in order one by one.
+const SHORT: usize = 8;
+
 /// A triangle of a texel and the share of the texel that it covers.
 struct Weighed {
     share: f64,
     triangle: u32,
-    at: GridTriangle,
+    piece: Piece,
 }
 
 /// Arranges the texels of a reference's tables.
@@ -147,19 +150,36 @@ impl<'a> Arranger<'a> {
         let mut weighed: Vec<Weighed> = own
             .iter()
             .map(|&triangle| {
-                let at = self.reference.corners(triangle as usize);
-                let share = weigh::coverage(&weigh::sides(self.line, &corners, &at));
+                let piece = self.piece(triangle);
+                let share = weigh::coverage(&piece.at_corners(&corners));
                 Weighed {
                     share,
                     triangle,
-                    at,
+                    piece,
                 }
             })
             .collect();
-        weighed.sort_unstable_by(|a, b| {
-            let by_share = b.share.total_cmp(&a.share);
-            by_share.then(a.triangle.cmp(&b.triangle))
-        });
+        // Short, and elements are large: the largest is looked for rather than elements moved about.
+        for first in 0..weighed.len().min(SHORT) {
+            let before = |a: &Weighed, b: &Weighed| {
+                a.share > b.share || a.share == b.share && a.triangle < b.triangle
+            };
+            let rest = &weighed[first..];
+            let best = (1..rest.len()).fold(0, |best, i| {
+                if before(&rest[i], &rest[best]) {
+                    i
+                } else {
+                    best
+                }
+            });
+            weighed.swap(first, first + best);
+        }
+        if let Some(rest) = weighed.get_mut(SHORT..) {
+            rest.sort_unstable_by(|a, b| {
+                let by_share = b.share.total_cmp(&a.share);
+                by_share.then(a.triangle.cmp(&b.triangle))
+            });
+        }
         weighed
     }
 
@@ -171,6 +191,15 @@ impl<'a> Arranger<'a> {
             .windows(2)
             .all(|w| self.layer(w[0].triangle) == self.layer(w[1].triangle));
         more.is_empty() && one_layer && covered > FULLY && own[0].share > 0.0
+    }
+
+    fn piece(&self, triangle: u32) -> Piece {
+        let vertices = self.reference.triangles[triangle as usize];
+        Piece::new(
+            self.line,
+            vertices,
+            self.reference.corners(triangle as usize),
+        )
     }
 
     fn layer(&self, triangle: u32) -> u8 {
@@ -211,7 +240,7 @@ impl<'a> Arranger<'a> {
         own.iter()
             .map(|w| Masked {
                 entry: self.reference.format.entry(false, w.triangle, 0),
-                mask: regions(self.line, &own[0].at, &w.at),
+                mask: regions(&own[0].piece, &w.piece),
             })
             .collect()
     }
@@ -225,7 +254,7 @@ impl<'a> Arranger<'a> {
             let corners = texel.child(1, quadrant).corners(self.line);
             let mut here = Vec::new();
             for (w, mask) in own.iter().zip(&mut masks) {
-                if weigh::touches(self.line, &weigh::sides(self.line, &corners, &w.at)) {
+                if weigh::touches(self.line, &w.piece.at_corners(&corners)) {
                     *mask |= 1 << quadrant;
                     here.push(w.triangle);
                 }
@@ -270,7 +299,7 @@ impl<'a> Arranger<'a> {
     /// Whether no two triangles of a layer have a line in common.
     fn is_single(&self, list: &[Weighed]) -> bool {
         let apart = |a: &Weighed, b: &Weighed| {
-            self.layer(a.triangle) != self.layer(b.triangle) || apart(self.line, &a.at, &b.at)
+            self.layer(a.triangle) != self.layer(b.triangle) || apart(&a.piece, &b.piece)
         };
         let pairs_apart = |i: usize| list[..i].iter().all(|other| apart(&list[i], other));
         list.len() <= MOST_PAIRED && (0..list.len()).all(pairs_apart)
@@ -317,10 +346,9 @@ impl<'a> Arranger<'a> {
         let mut lists = vec![Vec::new(); parts as usize];
         let mut room = own.len() * MOST_COPIES;
         for t in own {
-            let triangle = self.reference.corners(*t as usize);
+            let piece = self.piece(*t);
             for (corners, list) in corners.iter().zip(&mut lists) {
-                let sides = weigh::sides(self.line, corners, &triangle);
-                if weigh::touches(self.line, &sides) {
+                if weigh::touches(self.line, &piece.at_corners(corners)) {
                     room = room.checked_sub(1)?;
                     list.push(*t);
                 }

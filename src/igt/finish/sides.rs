@@ -1,83 +1,164 @@
-//! On which sides of a triangle's edges another one lies, seen along projection lines.
+//! On which sides of a triangle's edges points and other triangles lie, seen along projection lines.
 //!
-//! In: two triangles on the vertex grid. Out: what is certain, from exact integers: that no line meets both
-//! ([`apart`]), and through which regions around the one lines to the other pass ([`regions`]).
+//! In: triangles on the vertex grid. Out: what is certain: that no line meets two of them ([`apart`]), and through which
+//! regions around the one lines to the other pass ([`regions`]); the sides of a texel's corners ([`Piece::at_corners`]).
 //!
 //! The side of a point p of an edge (a, b) is `det(a, b)` seen along p's projection line, as in
 //! [`Sides`](crate::param::projection::Sides): linear in p in a chart and about a centre, and a quadratic polynomial about an
-//! axis, whose values over a triangle lie between its six Bernstein coefficients.
+//! axis, whose values over a triangle lie between its six Bernstein coefficients. In a chart it is exact in f64; about a
+//! centre its sign is, but near zero, where it is worked out anew in integers.
 
+use super::weigh::{Corners, Sides};
 use crate::param::projection::{GridTriangle, Line};
+
+/// About a centre a side of a vertex, three products of up to 2^71, is off by less than this.
+const DOUBT: f64 = (1u64 << 22) as f64;
+
+/// The corners after corner i, and after that one.
+const NEXT: [usize; 4] = [1, 2, 0, 1];
+
+/// A triangle prepared for tests.
+pub(super) struct Piece {
+    line: Line,
+    vertices: [u32; 3],
+    at: GridTriangle,
+    /// Chart: the coefficients of x, y and 1; sphere: of x, y, z; of the side of the edge opposite each corner.
+    edges: [[f64; 3]; 3],
+    /// The sign of each corner's side of the edge opposite it; 0 without a footprint, and unknown about an axis.
+    sense: i32,
+}
+
+impl Piece {
+    /// `vertices`: numbers that tell corners of neighbours as the same.
+    pub(super) fn new(line: Line, vertices: [u32; 3], at: GridTriangle) -> Self {
+        let p = at.map(|v| v.map(f64::from));
+        let edges = [0, 1, 2].map(|i| {
+            let (a, b) = (p[(i + 1) % 3], p[(i + 2) % 3]);
+            match line {
+                Line::Parallel => [a[1] - b[1], b[0] - a[0], a[0] * b[1] - a[1] * b[0]],
+                Line::Cylinder => [0.0; 3],
+                Line::Sphere => [
+                    a[1] * b[2] - a[2] * b[1],
+                    a[2] * b[0] - a[0] * b[2],
+                    a[0] * b[1] - a[1] * b[0],
+                ],
+            }
+        });
+        let mut piece = Piece {
+            line,
+            vertices,
+            at,
+            edges,
+            sense: 0,
+        };
+        if line != Line::Cylinder {
+            piece.sense = piece.sign(0, 0, &piece);
+        }
+        piece
+    }
+
+    /// The sides of the three edges at the corners of a texel.
+    pub(super) fn at_corners(&self, corners: &Corners) -> Sides {
+        if self.line == Line::Cylinder {
+            return super::weigh::bent_sides(corners, &self.at);
+        }
+        // A chart's corners have 0 for a third coordinate: its edges' constant is taken once.
+        let flat = self.line == Line::Parallel;
+        let mut sides = [[0.0; 4]; 3];
+        for (n, out) in self.edges.iter().zip(&mut sides) {
+            for (c, side) in corners.iter().zip(out) {
+                let third = if flat { 1.0 } else { c[2] };
+                *side = n[0] * c[0] + n[1] * c[1] + n[2] * third;
+            }
+        }
+        sides
+    }
+
+    /// The sign of the side of edge `i` on which corner `k` of `other` lies. Not about an axis.
+    #[inline]
+    fn sign(&self, i: usize, k: usize, other: &Piece) -> i32 {
+        let vertex = other.vertices[k];
+        let edge = [NEXT[i], NEXT[i + 1]];
+        if vertex == self.vertices[edge[0]] || vertex == self.vertices[edge[1]] {
+            return 0;
+        }
+        let (n, p) = (self.edges[i], other.at[k]);
+        let flat = self.line == Line::Parallel;
+        let third = if flat { 1.0 } else { f64::from(p[2]) };
+        let side = n[0] * f64::from(p[0]) + n[1] * f64::from(p[1]) + n[2] * third;
+        if flat || side.abs() > DOUBT {
+            return i32::from(side > 0.0) - i32::from(side < 0.0);
+        }
+        self.exact_sign(edge, other.at[k])
+    }
+
+    #[cold]
+    fn exact_sign(&self, edge: [usize; 2], p: [i32; 3]) -> i32 {
+        let normal = cross(self.at[edge[0]], self.at[edge[1]]);
+        let exact = (0..3).map(|k| i128::from(normal[k]) * i128::from(p[k]));
+        exact.sum::<i128>().signum() as i32
+    }
+
+    /// Whether the two lie on either side of an edge that both have: it runs the other way in a triangle of the same sense.
+    #[inline]
+    fn adjoins(&self, other: &Piece) -> bool {
+        let (a, b) = (self.vertices, other.vertices);
+        let has = |from: u32, to: u32| {
+            b[0] == from && b[1] == to || b[1] == from && b[2] == to || b[2] == from && b[0] == to
+        };
+        self.sense == other.sense && (has(a[1], a[0]) || has(a[2], a[1]) || has(a[0], a[2]))
+    }
+
+    /// Whether the side of edge `i` can be positive, and negative, over `other`.
+    fn reach(&self, i: usize, other: &Piece) -> [bool; 2] {
+        let mut reach = [false; 2];
+        let mut see = |sign: i32| {
+            reach[0] |= sign > 0;
+            reach[1] |= sign < 0;
+        };
+        if self.line == Line::Cylinder {
+            let edge = [self.at[(i + 1) % 3], self.at[(i + 2) % 3]];
+            for [j, k] in [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]] {
+                see(bent_side(edge, other.at[j], other.at[k]).signum() as i32);
+            }
+        } else {
+            (0..3).for_each(|k| see(self.sign(i, k, other)));
+        }
+        reach
+    }
+
+    /// Whether edge `i` has all of this triangle on one side and nothing of `other`.
+    fn separated_by(&self, i: usize, other: &Piece) -> bool {
+        if self.line != Line::Cylinder {
+            return (0..3).all(|k| self.sign(i, k, other) != self.sense);
+        }
+        let [own, others] = [self.reach(i, self), self.reach(i, other)];
+        match own {
+            [true, true] => false,
+            [true, false] => !others[0],
+            [false, true] => !others[1],
+            [false, false] => true,
+        }
+    }
+}
 
 /// Whether no projection line meets the inside of both triangles: an edge of one has its third corner on one side, and
 /// nothing of the other triangle. A triangle without a footprint is met by no line and is apart from everything.
-pub(super) fn apart(line: Line, a: &GridTriangle, b: &GridTriangle) -> bool {
-    let separated = |a: &GridTriangle, b: &GridTriangle| {
-        (0..3).any(|i| {
-            let (own, other) = (Reach::of(line, a, i, a), Reach::of(line, a, i, b));
-            !(own.positive && (own.negative || other.positive) || own.negative && other.negative)
-        })
-    };
-    separated(a, b) || separated(b, a)
+pub(super) fn apart(a: &Piece, b: &Piece) -> bool {
+    if a.line != Line::Cylinder && (a.sense == 0 || b.sense == 0 || a.adjoins(b)) {
+        return true;
+    }
+    (0..3).any(|i| a.separated_by(i, b)) || (0..3).any(|i| b.separated_by(i, a))
 }
 
 /// The regions around `a` ([`Sides::region`](crate::param::projection::Sides::region)) that lines to `b` may pass
 /// through: bit `r - 1` for region r.
-pub(super) fn regions(line: Line, a: &GridTriangle, b: &GridTriangle) -> u32 {
-    let reach = [0, 1, 2].map(|i| Reach::of(line, a, i, b));
-    let passes = |region: u32| {
-        let at = |i: usize| {
-            if region >> i & 1 != 0 {
-                reach[i].positive
-            } else {
-                reach[i].negative
-            }
-        };
-        (0..3).all(at)
-    };
+pub(super) fn regions(a: &Piece, b: &Piece) -> u32 {
+    let reach = [0, 1, 2].map(|i| a.reach(i, b));
+    let passes = |region: u32| (0..3).all(|i| reach[i][usize::from(region >> i & 1 == 0)]);
     (1..=6)
         .filter(|r| passes(*r))
         .fold(0, |mask, r| mask | 1 << (r - 1))
-}
-
-/// Whether the side of an edge can be positive, and negative, over a triangle.
-#[derive(Clone, Copy, Debug)]
-struct Reach {
-    positive: bool,
-    negative: bool,
-}
-
-impl Reach {
-    /// Over `b`, of edge `i` of `a` (opposite its corner `i`).
-    fn of(line: Line, a: &GridTriangle, i: usize, b: &GridTriangle) -> Self {
-        let edge = [a[(i + 1) % 3], a[(i + 2) % 3]];
-        let mut reach = Reach {
-            positive: false,
-            negative: false,
-        };
-        let mut see = |side: i128| {
-            reach.positive |= side > 0;
-            reach.negative |= side < 0;
-        };
-        match line {
-            Line::Parallel => b.iter().for_each(|p| {
-                let [u, v] = edge.map(|e| [e[0] - p[0], e[1] - p[1]].map(i64::from));
-                see(i128::from(u[0] * v[1] - u[1] * v[0]));
-            }),
-            Line::Sphere => {
-                let n = cross(edge[0], edge[1]);
-                b.iter().for_each(|p| {
-                    see((0..3).map(|k| i128::from(n[k]) * i128::from(p[k])).sum());
-                });
-            }
-            Line::Cylinder => {
-                for [j, k] in [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]] {
-                    see(bent_side(edge, b[j], b[k]));
-                }
-            }
-        }
-        reach
-    }
 }
 
 fn cross(a: [i32; 3], b: [i32; 3]) -> [i64; 3] {
@@ -105,6 +186,11 @@ fn bent_side(edge: [[i32; 3]; 2], p: [i32; 3], q: [i32; 3]) -> i128 {
 mod tests {
     use super::*;
     use crate::param::projection::{Sides, hit};
+
+    /// A piece whose corners are told from those of others.
+    fn piece(line: Line, first: u32, at: GridTriangle) -> Piece {
+        Piece::new(line, [first, first + 1, first + 2], at)
+    }
 
     /// For pairs of small triangles near one place: whatever is called apart has no line in common.
     #[test]
@@ -139,13 +225,14 @@ mod tests {
                         hit(line, q, &a).is_some() && hit(line, q, &b).is_some()
                     })
                 });
-                let is_apart = apart(line, &a, &b);
+                let (p, r) = (piece(line, 0, a), piece(line, 3, b));
+                let is_apart = apart(&p, &r);
                 assert!(!(met && is_apart), "{line:?} {a:?} {b:?}");
                 for w in weights {
                     let q = middle(&b, w);
                     let region = Sides::of(line, q, &a).region();
                     if region != 0 && hit(line, q, &b).is_some() {
-                        let all = regions(line, &a, &b);
+                        let all = regions(&p, &r);
                         assert!(
                             all >> (region - 1) & 1 != 0,
                             "{line:?} {a:?} {b:?} {region}"
@@ -168,9 +255,13 @@ mod tests {
             // A neighbour lies across one edge, in half of the regions or fewer.
             let (p, q) = ([1000, -30, 500], [1000, 40, 500]);
             let (up, down, inside) = ([1000, 0, 560], [1000, 5, 420], [1010, 3, 530]);
-            assert!(apart(line, &[p, q, up], &[q, p, down]), "{line:?}");
             assert!(
-                regions(line, &[p, q, up], &[q, p, down]).count_ones() <= 3,
+                apart(&piece(line, 0, [p, q, up]), &piece(line, 3, [q, p, down])),
+                "{line:?}"
+            );
+            assert!(
+                regions(&piece(line, 0, [p, q, up]), &piece(line, 3, [q, p, down])).count_ones()
+                    <= 3,
                 "{line:?}"
             );
             let folded = if line == Line::Parallel {
@@ -183,7 +274,13 @@ mod tests {
             } else {
                 up
             };
-            assert!(!apart(line, &[p, q, face], &[q, p, folded]), "{line:?}");
+            assert!(
+                !apart(
+                    &piece(line, 0, [p, q, face]),
+                    &piece(line, 3, [q, p, folded])
+                ),
+                "{line:?}"
+            );
         }
     }
 }

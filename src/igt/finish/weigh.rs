@@ -65,28 +65,15 @@ fn octahedral(bits: u32, x: u32, y: u32) -> [f64; 3] {
     }
 }
 
-/// The sides of `triangle` at the corners of a texel.
-pub(super) fn sides(line: Line, corners: &Corners, triangle: &GridTriangle) -> Sides {
+/// The sides of a triangle at the corners of a cylinder's texel.
+pub(super) fn bent_sides(corners: &Corners, triangle: &GridTriangle) -> Sides {
     let t = triangle.map(|v| v.map(f64::from));
     std::array::from_fn(|i| {
         let (a, b) = (t[(i + 1) % 3], t[(i + 2) % 3]);
-        match line {
-            Line::Parallel => {
-                corners.map(|c| (a[0] - c[0]) * (b[1] - c[1]) - (a[1] - c[1]) * (b[0] - c[0]))
-            }
-            Line::Cylinder => corners.map(|c| {
-                let turn = |p: [f64; 3]| p[0] * c[1] - p[1] * c[0];
-                turn(b) * (a[2] - c[2]) - turn(a) * (b[2] - c[2])
-            }),
-            Line::Sphere => {
-                let n = [
-                    a[1] * b[2] - a[2] * b[1],
-                    a[2] * b[0] - a[0] * b[2],
-                    a[0] * b[1] - a[1] * b[0],
-                ];
-                corners.map(|c| c[0] * n[0] + c[1] * n[1] + c[2] * n[2])
-            }
-        }
+        corners.map(|c| {
+            let turn = |p: [f64; 3]| p[0] * c[1] - p[1] * c[0];
+            turn(b) * (a[2] - c[2]) - turn(a) * (b[2] - c[2])
+        })
     })
 }
 
@@ -103,10 +90,13 @@ pub(super) fn coverage(sides: &Sides) -> f64 {
     let total: f64 = sides.iter().flatten().sum();
     let sign = if total < 0.0 { -1.0 } else { 1.0 };
     let mut polygon = Polygon::square();
-    for side in sides {
-        let side = side.map(|x| x * sign);
-        if side.iter().any(|x| *x < 0.0) {
-            polygon.clip(side[0], side[1] - side[0], side[2] - side[0]);
+    for [a, b, c, d] in sides {
+        let (at, right, up, far) = (a * sign, b * sign, c * sign, d * sign);
+        if at < 0.0 && right < 0.0 && up < 0.0 && far < 0.0 {
+            return 0.0;
+        }
+        if at < 0.0 || right < 0.0 || up < 0.0 || far < 0.0 {
+            polygon.clip(at, right - at, up - at);
         }
     }
     polygon.area()
@@ -127,19 +117,24 @@ impl Polygon {
 
     /// Keeps where `at + right x + up y` is not negative (Sutherland, Hodgman 1974).
     fn clip(&mut self, at: f64, right: f64, up: f64) {
+        if self.count == 0 {
+            return;
+        }
         let side = |p: [f64; 2]| at + right * p[0] + up * p[1];
         let (old, count) = (self.points, self.count);
         self.count = 0;
-        for i in 0..count {
-            let (p, q) = (old[i], old[(i + 1) % count]);
-            let (a, b) = (side(p), side(q));
-            if a >= 0.0 {
-                self.push(p);
-            }
+        let mut p = old[count - 1];
+        let mut a = side(p);
+        for q in &old[..count] {
+            let b = side(*q);
             if (a < 0.0) != (b < 0.0) {
                 let t = a / (a - b);
                 self.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
             }
+            if b >= 0.0 {
+                self.push(*q);
+            }
+            (p, a) = (*q, b);
         }
     }
 
@@ -153,15 +148,20 @@ impl Polygon {
 
     fn area(&self) -> f64 {
         let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
-        let twice: f64 = (0..self.count)
-            .map(|i| cross(self.points[i], self.points[(i + 1) % self.count]))
-            .sum();
-        (0.5 * twice).max(0.0)
+        let corners = &self.points[..self.count];
+        let mut twice = 0.0;
+        let mut before = corners.last().copied().unwrap_or_default();
+        for p in corners {
+            twice += cross(before, *p);
+            before = *p;
+        }
+        (0.5f64 * twice).max(0.0)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::sides::Piece;
     use super::*;
 
     #[test]
@@ -175,7 +175,8 @@ mod tests {
             ([[0, 0, 0], [width / 2, 0, 0], [0, width / 2, 0]], 0.125),
             ([[-9, 0, 0], [-9, width, 0], [-99, 0, 0]], 0.0),
         ] {
-            let sides = sides(Line::Parallel, &texel, &triangle);
+            let piece = Piece::new(Line::Parallel, [0, 1, 2], triangle);
+            let sides = piece.at_corners(&texel);
             assert!((coverage(&sides) - share).abs() < 1e-12, "{triangle:?}");
             assert_eq!(touches(Line::Parallel, &sides), share > 0.0);
         }
