@@ -27,7 +27,7 @@ struct Correspondence {
 int query_coordinate(int v0, int v1, int v2, vec3 b) {
     precise float offset = b.y * float((v1 - v0) << QUERY_SHIFT) + b.z * float((v2 - v0) << QUERY_SHIFT);
     precise float rounded = floor(offset + 0.5);
-    int i = int(min(max(rounded, -1.0e9), 1.0e9));
+    int i = int(min(max(rounded, -1.5e9), 1.5e9));
     return (v0 << QUERY_SHIFT) + i;
 }
 

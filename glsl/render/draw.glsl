@@ -13,7 +13,8 @@ struct DrawRecord {
     uint vertex_count;
     uint attribute_base;
     uint correspondence;
-    uint igt[16];
+    uint igt[15];
+    uint frames;
 };
 
 struct Projected {

@@ -5,6 +5,7 @@
 #include "render/draw.glsl"
 
 layout(std430, binding = 0) readonly buffer Draws { DrawRecord records[]; } draws;
+layout(std430, binding = 1) readonly buffer Corners { uvec4 triangles[]; } corners;
 layout(std430, binding = 4) readonly buffer AttributeTriangles { uvec4 quads[]; } attribute_triangles;
 layout(std430, binding = 5) readonly buffer AttributeVertices { float words[]; } attribute_vertices;
 layout(std430, binding = 6) readonly buffer Materials { uint words[]; } materials;
@@ -70,9 +71,10 @@ vec4 igt_sample(uint id, IgtUvGradient at) {
 
 #include "render/light.glsl"
 #include "render/correspond.glsl"
+#include "render/frame.glsl"
 
 ivec3 query_of(vec3 way) {
-    ivec3 step = ivec3(floor(clamp(way, vec3(-1.0e9), vec3(1.0e9)) + 0.5));
+    ivec3 step = ivec3(floor(clamp(way, vec3(-1.5e9), vec3(1.5e9)) + 0.5));
     return origin + step;
 }
 
@@ -94,10 +96,12 @@ void main() {
     fetches = found.fetches;
     ids = uvec4(0xffffffffu, draw, 0u, 0u);
     IgtSurface surface = unknown_surface();
+    uvec3 vertices = corners.triangles[draws.records[draw].corner_base + triangle.x].xyz;
+    Frame frame = frame_at(draw, vertices - draws.records[draw].vertex_base, barycentric);
     if (found.known) {
         uint reference = found.point.triangle - draws.records[draw].attribute_base;
         ids = uvec4(reference, draw, floatBitsToUint(found.point.b.y), floatBitsToUint(found.point.b.z));
-        surface = igt_surface(found.point, draws.records[draw].world, draws.records[draw].normal);
+        surface = igt_surface(found.point, frame.world, frame.normal);
     }
     if (surface.masked) {
         discard;
@@ -105,7 +109,7 @@ void main() {
     // Counter-clockwise is the front; a mirroring transform turns it.
     int sense = gl_FrontFacing ? -1 : 1;
     vec2 handed_slack = vec2(draws.records[draw].normal[0].w, draws.records[draw].normal[1].w);
-    if (float(sense) * handed_slack.x > 0.0) {
+    if (float(sense) * frame.normal[0].w > 0.0) {
         surface.normal = -surface.normal;
     }
     // As the deferred path has it, from z / w and 1 / w. No step, no arithmetic: fronts keep their depth to the bit.

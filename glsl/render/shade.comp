@@ -58,6 +58,7 @@ uint igt_load_triangle1(uint i) { return igt_triangles.quads[igt_triangle_base +
 #include "common/igt.glsl"
 #include "render/light.glsl"
 #include "render/correspond.glsl"
+#include "render/frame.glsl"
 
 const uint NOTHING = 0xffffffffu;
 const uint THRESHOLDS_AT = 256u;
@@ -198,16 +199,17 @@ void main() {
     uint triangle = NOTHING;
     vec2 b = vec2(0.0);
     IgtSurface surface = unknown_surface();
+    Frame frame = frame_at(draw, corner.xyz - draws.records[draw].vertex_base, drawn.b);
     if (found.known) {
         triangle = found.point.triangle - draws.records[draw].attribute_base;
         b = found.point.b.yz;
-        surface = igt_surface(found.point, draws.records[draw].world, draws.records[draw].normal);
+        surface = igt_surface(found.point, frame.world, frame.normal);
     }
     if (surface.masked) {
         write(pixel, vec4(0.0), 0u, triangle, draw, b, found.fetches, depth);
         return;
     }
-    precise float turned = float(sense) * draws.records[draw].normal[0].w;
+    precise float turned = float(sense) * frame.normal[0].w;
     if (turned > 0.0) {
         surface.normal = -surface.normal;
     }

@@ -9,12 +9,13 @@
 //!
 //! The same scene and settings give the same model, whichever processor builds the tables.
 
+use super::motion::shapes;
 use super::report::{self, MeshReport};
 use super::settings::{BuildSettings, Processor, Progress, check, hash_for};
 use super::{Built, BuiltMesh};
 use crate::igt::{self, Asking, BuildOptions, Needs, Reference, Tables};
 use crate::lod::deviation::{Deviation, deviation};
-use crate::lod::{self, Lod, LodInput};
+use crate::lod::{self, Lod, LodInput, Shape};
 use crate::mesh::Mesh;
 use crate::param::{self, Parts, Primary};
 use crate::scene::Scene;
@@ -265,7 +266,10 @@ impl Work<'_> {
                 world: places[m],
             })
             .collect();
-        self.step("lods", "", || lod::chains(&inputs, fractions))
+        self.step("lods", "", || {
+            let shapes: Vec<Vec<Shape>> = meshes.iter().map(|&m| shapes(scene, m)).collect();
+            lod::chains_in_motion(&inputs, &shapes, fractions)
+        })
     }
 }
 

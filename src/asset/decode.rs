@@ -5,7 +5,7 @@
 //! they were built for.
 
 use super::extension::{EXTENSION, LodExtension, MeshExtension, RootExtension, VERSION};
-use super::{Built, BuiltMesh, original};
+use super::{Built, BuiltMesh, morph, original};
 use crate::igt::Tables;
 use crate::lod::Lod;
 use crate::mesh::Mesh;
@@ -271,6 +271,10 @@ impl Reading<'_> {
         {
             return Err(self.fault(&what, "has attributes of different lengths"));
         }
+        let targets = morph::read(primitive, |index| self.reader.floats::<3>(index, user))?;
+        if !morph::fit(&targets, self.mesh().targets.len(), vertices) {
+            return Err(self.fault(&what, "has other morph targets than the mesh"));
+        }
         if !extension.error.is_finite() {
             return Err(self.fault(&what, "error is not finite"));
         }
@@ -286,6 +290,7 @@ impl Reading<'_> {
             normals,
             joints,
             weights,
+            targets,
             error: extension.error,
             turned: extension.turned,
             reached: extension.reached,

@@ -4,8 +4,9 @@
 //! `extensionsUsed`, the length of its buffer, and `extensions` of the meshes and nodes that have LoDs.
 
 use super::extension::{EXTENSION, LodExtension, MSFT_LOD, MeshExtension, RootExtension, VERSION};
-use super::{Built, BuiltMesh, original};
+use super::{Built, BuiltMesh, morph, original};
 use crate::lod::Lod;
+use crate::mesh::Mesh;
 use crate::scene::{Document, array};
 use crate::{Error, Result};
 use bytemuck::Pod;
@@ -90,8 +91,12 @@ impl Writer<'_> {
         let layer = self.view(&mesh.triangle_layer, None);
         let mut lods = Vec::with_capacity(mesh.lods.len());
         for (k, lod) in mesh.lods.iter().enumerate() {
-            self.check_lod(&format!("{element}.lods[{k}]"), lod)?;
-            lods.push(self.lod(&format!("{} LoD {}", reference.name, k + 1), lod));
+            self.check_lod(
+                &format!("{element}.lods[{k}]"),
+                lod,
+                reference.targets.len(),
+            )?;
+            lods.push(self.lod(&format!("{} LoD {}", reference.name, k + 1), lod, reference));
         }
         self.nodes(mesh.mesh, &lods);
         let extension = MeshExtension {
@@ -115,7 +120,7 @@ impl Writer<'_> {
     }
 
     /// What reading would refuse is not written.
-    fn check_lod(&self, element: &str, lod: &Lod) -> Result<()> {
+    fn check_lod(&self, element: &str, lod: &Lod, targets: usize) -> Result<()> {
         let vertices = lod.positions.len();
         let skinned = lod.joints.len() == vertices || lod.joints.is_empty();
         let lengths = [lod.normals.len(), lod.t3.len()] == [vertices; 2]
@@ -137,6 +142,7 @@ impl Writer<'_> {
             () if lod.triangles.is_empty() => "has no triangles",
             () if !lengths => "has arrays of different lengths",
             () if !finite || !lod.error.is_finite() => "has a number that is not finite",
+            () if !morph::fit(&lod.targets, targets, vertices) => "has other morph targets",
             () if !inside => "has a triangle with a vertex that does not exist",
             () => return Ok(()),
         };
@@ -144,7 +150,7 @@ impl Writer<'_> {
     }
 
     /// Appends a LoD as a mesh of one primitive, without a material.
-    fn lod(&mut self, name: &str, lod: &Lod) -> LodExtension {
+    fn lod(&mut self, name: &str, lod: &Lod, reference: &Mesh) -> LodExtension {
         // Integers of 24 bits are exact in a float.
         let t3: Vec<[f32; 3]> = lod.t3.iter().map(|p| p.map(|c| c as f32)).collect();
         let mut attributes = json!({
@@ -163,8 +169,17 @@ impl Writer<'_> {
         let corners = lod.triangles.as_flattened();
         let indices = self.accessor(corners, UNSIGNED_INT, "SCALAR", ELEMENT_ARRAY_BUFFER, None);
         let layer = self.view(&lod.triangle_layer, None);
+        let mut mesh = json!({ "name": name, "primitives": [{ "attributes": attributes, "indices": indices }] });
+        if !lod.targets.is_empty() {
+            let targets = morph::write(&lod.targets, |values, positions| {
+                let bounds = positions.then(|| bounds(values));
+                self.accessor(values, FLOAT, "VEC3", ARRAY_BUFFER, bounds)
+            });
+            mesh["primitives"][0]["targets"] = targets;
+            mesh["weights"] = json!(reference.target_weights);
+        }
         let meshes = array(&mut self.json, "meshes");
-        meshes.push(json!({ "name": name, "primitives": [{ "attributes": attributes, "indices": indices }] }));
+        meshes.push(mesh);
         LodExtension {
             mesh: meshes.len() - 1,
             layer,
@@ -187,7 +202,14 @@ impl Writer<'_> {
                 continue;
             }
             let mut copy = json!({});
-            for key in ["matrix", "translation", "rotation", "scale", "skin"] {
+            for key in [
+                "matrix",
+                "translation",
+                "rotation",
+                "scale",
+                "skin",
+                "weights",
+            ] {
                 if let Some(value) = node.get(key) {
                     copy[key] = value.clone();
                 }
@@ -200,6 +222,26 @@ impl Writer<'_> {
             }
             let ids: Vec<usize> = (first..nodes.len()).collect();
             nodes[n]["extensions"][MSFT_LOD] = json!({ "ids": ids });
+            self.move_alike(n, &ids);
+        }
+    }
+
+    /// Whatever moves node `n` moves `others` too.
+    fn move_alike(&mut self, n: usize, others: &[usize]) {
+        let animations = self
+            .json
+            .get_mut("animations")
+            .and_then(Value::as_array_mut);
+        for animation in animations.into_iter().flatten() {
+            let channels = animation.get_mut("channels").and_then(Value::as_array_mut);
+            let Some(channels) = channels else { continue };
+            let moving = |channel: &&Value| channel["target"]["node"].as_u64() == Some(n as u64);
+            for mut channel in channels.iter().filter(moving).cloned().collect::<Vec<_>>() {
+                for &other in others {
+                    channel["target"]["node"] = other.into();
+                    channels.push(channel.clone());
+                }
+            }
         }
     }
 

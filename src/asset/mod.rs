@@ -17,6 +17,8 @@ mod build;
 mod decode;
 mod encode;
 mod extension;
+mod morph;
+mod motion;
 mod original;
 mod report;
 mod settings;

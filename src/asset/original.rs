@@ -30,6 +30,12 @@ pub(super) fn strip(json: &mut Value, counts: &Counts) -> Result<(), &'static st
     ] {
         cut(json, key, count)?;
     }
+    for animation in elements(json, "animations") {
+        let channels = animation.get_mut("channels").and_then(Value::as_array_mut);
+        if let Some(channels) = channels {
+            channels.retain(|c| !appended(&c["target"]["node"], first_lod_node));
+        }
+    }
     remove_extension(json, EXTENSION);
     for mesh in elements(json, "meshes") {
         remove_extension(mesh, EXTENSION);
@@ -57,9 +63,13 @@ pub(super) fn strip(json: &mut Value, counts: &Counts) -> Result<(), &'static st
 
 /// Whether `ids` are nodes of LoDs: an original's own MSFT_lod names others and stays.
 fn names_only(ids: &Value, first: usize) -> bool {
-    let appended = |id: &Value| id.as_u64().is_some_and(|id| id >= first as u64);
     ids.as_array()
-        .is_some_and(|ids| !ids.is_empty() && ids.iter().all(appended))
+        .is_some_and(|ids| !ids.is_empty() && ids.iter().all(|id| appended(id, first)))
+}
+
+/// Whether `id` is that of a node of a LoD.
+fn appended(id: &Value, first: usize) -> bool {
+    id.as_u64().is_some_and(|id| id >= first as u64)
 }
 
 fn cut(json: &mut Value, key: &'static str, count: Option<usize>) -> Result<(), &'static str> {

@@ -157,7 +157,7 @@ impl AttributeSet {
             + b[2] * self.float(corner[2] + word)
     }
 
-    fn weighted3(&self, corner: [u32; 4], word: u32, b: [f32; 3]) -> V3 {
+    pub(crate) fn weighted3(&self, corner: [u32; 4], word: u32, b: [f32; 3]) -> V3 {
         [0, 1, 2].map(|i| self.weighted(corner, word + i, b))
     }
 

@@ -261,7 +261,9 @@ impl Studio<'_> {
             shading: Shading::Lit,
             path: DrawPath::Deferred,
         };
-        let (renderer, _) = drawing::renderer(&self.model, wish, &self.device)?;
+        let rest = self.model.scene().rest();
+        let (staged, _) = drawing::Staged::new(&self.model, wish, &rest, &self.device)?;
+        let renderer = staged.renderer;
         let image = renderer.draw(&self.camera, &drawing::options(mode, Shading::Lit, 4))?;
         let shown = shown(
             &renderer,

@@ -6,8 +6,10 @@ use std::sync::Arc;
 
 use invertex::asset::{Built, Model};
 use invertex::output::{Aov, encode_exr, encode_png};
-use invertex::render::{Correspond, Options, Output, Rendered, Renderer, Subject, stage};
-use invertex::scene::Material;
+use invertex::render::{
+    Correspond, Options, Output, Picture, Rendered, Renderer, Subject, stage_posed,
+};
+use invertex::scene::{Material, Pose, Scene};
 use invertex::{Error, Result};
 
 use super::device::Device;
@@ -93,23 +95,47 @@ pub(super) fn options(mode: Mode, shading: Shading, samples: u32) -> Options {
     }
 }
 
-/// Stages `model` as `wish` says and makes it ready on `device`; also what was replaced on the way.
-pub(super) fn renderer(
-    model: &Model,
-    wish: Wish,
-    device: &Device,
-) -> Result<(Renderer, Vec<String>)> {
-    let lit = wish.shading == Shading::Lit || wish.mode == Mode::Normals;
-    let (picture, warnings) = match model {
-        Model::Plain(scene) => stage(scene, &[], Correspond::Reference, lit)?,
-        Model::Built(built) => stage(
-            &built.scene,
-            &subjects(built, wish.level),
-            wish.mode.correspond(true),
-            lit,
-        )?,
-    };
-    let renderer = match (device, wish.path) {
+/// A model staged at one level, ready to be drawn in one pose after the other.
+pub(super) struct Staged<'a> {
+    scene: &'a Scene,
+    subjects: Vec<Subject<'a>>,
+    correspond: Correspond,
+    pub(super) renderer: Renderer,
+}
+
+impl<'a> Staged<'a> {
+    /// Stages `model` in `pose` as `wish` says and makes it ready on `device`; also what was replaced on the way.
+    pub(super) fn new(
+        model: &'a Model,
+        wish: Wish,
+        pose: &Pose,
+        device: &Device,
+    ) -> Result<(Self, Vec<String>)> {
+        let lit = wish.shading == Shading::Lit || wish.mode == Mode::Normals;
+        let (subjects, correspond) = match model {
+            Model::Plain(_) => (Vec::new(), Correspond::Reference),
+            Model::Built(built) => (subjects(built, wish.level), wish.mode.correspond(true)),
+        };
+        let scene = model.scene();
+        let (picture, warnings) = stage_posed(scene, &subjects, correspond, lit, pose)?;
+        let staged = Staged {
+            scene,
+            subjects,
+            correspond,
+            renderer: renderer(picture, wish.path, device)?,
+        };
+        Ok((staged, warnings))
+    }
+
+    /// Draws `pose` from now on.
+    pub(super) fn repose(&mut self, pose: &Pose) -> Result<()> {
+        self.renderer
+            .repose(self.scene, &self.subjects, self.correspond, pose)
+    }
+}
+
+fn renderer(picture: Picture, path: DrawPath, device: &Device) -> Result<Renderer> {
+    Ok(match (device, path) {
         (Device::Cpu, DrawPath::Deferred) => Renderer::cpu(picture),
         (Device::Cpu, DrawPath::Forward) => {
             let reason = "--path forward is drawn by a device only; see `invertex doctor`, or use --path deferred".to_owned();
@@ -123,18 +149,49 @@ pub(super) fn renderer(
         (Device::Gpu(context) | Device::Found(context), DrawPath::Forward) => {
             Renderer::forward(context, picture)?
         }
-    };
-    Ok((renderer, warnings))
+    })
 }
 
 /// Centre and radius of a sphere round the reference as it stands in the world, so that every level is framed alike.
 pub(super) fn reference_sphere(model: &Model) -> Result<([f64; 3], f64)> {
-    // Textures have no extent; without them nothing needs to be decoded.
+    let bare = bare(model);
+    posed_sphere(&bare, &bare.rest())
+}
+
+/// The same round all that animation `animation` does with it, so that every moment is framed alike.
+pub(super) fn moving_sphere(model: &Model, animation: usize) -> Result<([f64; 3], f64)> {
+    let bare = bare(model);
+    let duration = bare.animations[animation].duration();
+    let at = |k: u32| {
+        let time = duration * f64::from(k) / f64::from(MOMENTS);
+        posed_sphere(&bare, &bare.pose(animation, time)?)
+    };
+    let spheres = (0..=MOMENTS).map(at).collect::<Result<Vec<_>>>()?;
+    let side = |k: usize, sign: f64| {
+        let ends = spheres.iter().map(|(c, r)| sign * c[k] + r);
+        sign * ends.fold(f64::NEG_INFINITY, f64::max)
+    };
+    let centre = [0, 1, 2].map(|k| (side(k, 1.0) + side(k, -1.0)) / 2.0);
+    let reach = |(c, r): &([f64; 3], f64)| {
+        let squared: f64 = (0..3).map(|k| (c[k] - centre[k]).powi(2)).sum();
+        squared.sqrt() + r
+    };
+    Ok((centre, spheres.iter().map(reach).fold(0.0, f64::max)))
+}
+
+/// Moments of an animation that its pictures are framed by, one less.
+const MOMENTS: u32 = 16;
+
+/// The scene without textures: they have no extent, and nothing needs to be decoded.
+fn bare(model: &Model) -> Scene {
     let mut bare = model.scene().clone();
     bare.materials = vec![Material::default(); bare.materials.len()];
-    Ok(stage(&bare, &[], Correspond::Reference, false)?
-        .0
-        .bounding_sphere())
+    bare
+}
+
+fn posed_sphere(scene: &Scene, pose: &Pose) -> Result<([f64; 3], f64)> {
+    let (picture, _) = stage_posed(scene, &[], Correspond::Reference, false, pose)?;
+    Ok(picture.bounding_sphere())
 }
 
 /// What each mesh is drawn with at `level`.

@@ -13,11 +13,13 @@ mod drawing;
 mod inspect;
 mod lod_choice;
 mod manual;
+mod motion;
 mod points;
 mod print;
 mod progress;
 mod query;
 mod render;
+mod render_report;
 
 use std::io::{self, IsTerminal, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -3,32 +3,31 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use super::device::Device;
+use super::drawing::{self, Background, DrawPath, Format, Mode, Shading, Staged, Wish};
+use super::lod_choice::LodChoice;
+use super::motion::{self, Frame, Motion};
+use super::print;
+use super::progress::Bar;
+use super::render_report::{ImageReport, Report};
+use super::{Common, bad_option, note};
 use invertex::asset::Model;
 use invertex::output::{check_target, make_folder, write_bytes};
 use invertex::render::{Camera, Projection, Renderer, View, parse_views};
-use invertex::scene::read_file;
+use invertex::scene::{Pose, read_file};
 use invertex::{Error, Result};
-use serde::Serialize;
-use sha2::{Digest, Sha256};
-
-use super::device::Device;
-use super::drawing::{self, Background, DrawPath, Format, Mode, Shading, Wish};
-use super::lod_choice::LodChoice;
-use super::print::{self, Table, thousands};
-use super::progress::Bar;
-use super::{Common, bad_option, note};
 
 /// Draw a model, or a LoD of it that looks like the original.
 ///
 /// Any glTF file can be drawn as its own reference; LoDs need a file that `build` made. PNG is 8-bit sRGB with alpha =
-/// coverage; EXR is linear float.
+/// coverage; EXR is linear float. An animation poses reference and LoD alike; all its moments are framed alike too.
 #[derive(clap::Args)]
 #[command(after_help = "\
 A camera file: {\"width\": W, \"height\": H, \"views\": [{\"name\": \"front.png\", \"view\": [[4x4, row-major, world to
 camera, which looks down -Z, +Y up]], \"projection_vulkan\": [[4x4, clip z 0..1, y down]]}, ..]}
 
-JSON: device, images[]: path, width, height, lod, triangles, covered_pixels, mean_fetches, sha256 (of the file),
-passes[] (nanoseconds of each); warnings[].
+JSON: device, animation (its name), images[]: path, time (seconds into the animation), width, height, lod, triangles,
+covered_pixels, mean_fetches, sha256 (of the file), passes[] (nanoseconds of each); warnings[].
 
 EXR layers with --aov: triangle.id (of the reference, in its own mesh; -1 outside), barycentric.x .y .z, fetches.count,
 depth.Z.
@@ -39,11 +38,14 @@ Examples:
   invertex render built.glb -o plain.png --mode plain --lod triangles:500 --shading unlit
   invertex render built.glb -o views/ --camera cameras.json --mode igt --lod pixels:0.5
   invertex render built.glb -o lod1.exr --aov --mode igt --lod 1 --view 30,15 --ortho
+  invertex render fox.glb -o walk.png --animation Walk --time 0.35
+  invertex render fox.built.glb -o run/ --mode igt --lod 1 --animation Run --time 0..1.15 --fps 24
+  invertex render built.glb -o round/ --mode igt --turntable 36
   invertex render built.glb -o edges.png --mode wireframe --lod 3 --background '#202020' --size 1600x1200")]
 pub(super) struct Render {
     /// The model: .glb or .gltf.
     file: PathBuf,
-    /// The image to write (.png or .exr), or with --camera the folder for all views.
+    /// The image to write (.png or .exr); with --camera, or for a sequence, the folder for all of them.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// What is drawn.
@@ -89,6 +91,8 @@ pub(super) struct Render {
     /// Draw this mesh alone.
     #[arg(long, value_name = "NAME")]
     mesh: Option<String>,
+    #[command(flatten)]
+    motion: Motion,
 }
 
 #[derive(Clone, Copy)]
@@ -122,35 +126,9 @@ impl std::str::FromStr for Angles {
     }
 }
 
-#[derive(Serialize)]
-struct Report {
-    file: String,
-    device: String,
-    images: Vec<ImageReport>,
-    warnings: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct ImageReport {
-    path: String,
-    width: u32,
-    height: u32,
-    lod: usize,
-    triangles: u32,
-    covered_pixels: u64,
-    mean_fetches: f64,
-    sha256: String,
-    passes: Vec<Pass>,
-}
-
-#[derive(Serialize)]
-struct Pass {
-    name: String,
-    nanoseconds: u64,
-}
-
 impl Render {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
+        let frames = self.motion.frames()?;
         let views = self.check()?;
         let mut model = Model::load(&self.file)?;
         if let Some(name) = &self.mesh {
@@ -164,27 +142,27 @@ impl Render {
                 reason,
             ));
         }
+        let animation = self.motion.animation(model.scene())?;
+        let sphere = match animation {
+            Some(animation) => drawing::moving_sphere(&model, animation)?,
+            None => drawing::reference_sphere(&model)?,
+        };
         let device = Device::open(common)?;
         let mut stages = Stages {
             render: self,
             model: &model,
             device: &device,
+            animation,
             ready: BTreeMap::new(),
             warnings: vec![],
         };
-        let sphere = drawing::reference_sphere(&model)?;
-        let views = match views {
-            Some(views) => views,
-            None => vec![View {
-                name: String::new(),
-                camera: self.framed(sphere)?,
-            }],
-        };
-        let bar = Bar::new(common, views.len() as u64);
+        let shots = self.shots(views, &frames, sphere)?;
+        let bar = Bar::new(common, shots.len() as u64);
         let mut images = Vec::new();
-        for (k, view) in views.iter().enumerate() {
-            bar.at(&view.name, k as u64, views.len() as u64);
-            images.push(self.draw(&mut stages, view, sphere)?);
+        for (k, shot) in shots.iter().enumerate() {
+            let name = shot.path.file_name().unwrap_or_default();
+            bar.at(&name.to_string_lossy(), k as u64, shots.len() as u64);
+            images.push(self.draw(&mut stages, shot, sphere)?);
         }
         drop(bar);
         device.check();
@@ -193,13 +171,14 @@ impl Render {
         let report = Report {
             file: self.file.display().to_string(),
             device: device.name(),
+            animation: animation.map(|a| model.scene().animations[a].name.clone()),
             images,
             warnings,
         };
         if common.json {
             print::json(&report)
         } else {
-            print::text(&table(&report).text())
+            print::text(&report.table().text())
         }
     }
 
@@ -217,37 +196,80 @@ impl Render {
                 format!("{} is not 1 or 4", self.samples),
             ));
         }
-        let Some(camera) = &self.camera else {
-            let format = Format::of(&self.output).ok_or_else(|| {
-                bad_option(
-                    "-o",
-                    format!(
-                        "{}: the file's name must end in .png or .exr",
-                        self.output.display()
-                    ),
-                )
-            })?;
-            if self.aov && format != Format::Exr {
-                return Err(bad_option(
-                    "--aov",
-                    "needs an .exr: layers have no place in a PNG",
-                ));
+        if let Some(camera) = &self.camera {
+            if self.motion.is_sequence() {
+                let reason = "draws one moment; --time A..B makes a sequence from one view";
+                return Err(bad_option("--camera", reason));
             }
-            check_target(&self.output)?;
-            return Ok(None);
-        };
-        let size = self.size.map(|Size(width, height)| (width, height));
-        let mut views = parse_views(&camera.display().to_string(), &read_file(camera)?, size)?;
-        for view in &mut views {
-            if Format::of(Path::new(&view.name)).is_none() {
-                view.name += if self.aov { ".exr" } else { ".png" };
-            }
+            let size = self.size.map(|Size(width, height)| (width, height));
+            let views = parse_views(&camera.display().to_string(), &read_file(camera)?, size)?;
+            make_folder(&self.output)?;
+            return Ok(Some(views));
         }
-        make_folder(&self.output)?;
-        Ok(Some(views))
+        if self.motion.is_sequence() {
+            make_folder(&self.output)?;
+            return Ok(None);
+        }
+        let format = Format::of(&self.output).ok_or_else(|| {
+            bad_option(
+                "-o",
+                format!(
+                    "{}: the file's name must end in .png or .exr",
+                    self.output.display()
+                ),
+            )
+        })?;
+        if self.aov && format != Format::Exr {
+            return Err(bad_option(
+                "--aov",
+                "needs an .exr: layers have no place in a PNG",
+            ));
+        }
+        check_target(&self.output)?;
+        Ok(None)
     }
 
-    fn framed(&self, (centre, radius): ([f64; 3], f64)) -> Result<Camera> {
+    /// All images that are to be drawn.
+    fn shots(
+        &self,
+        views: Option<Vec<View>>,
+        frames: &[Frame],
+        sphere: ([f64; 3], f64),
+    ) -> Result<Vec<Shot>> {
+        if let Some(views) = views {
+            let time = frames.first().and_then(|frame| frame.time);
+            let shot = |view: View| Shot {
+                path: self.output.join(self.with_format(view.name)),
+                camera: view.camera,
+                time,
+            };
+            return Ok(views.into_iter().map(shot).collect());
+        }
+        let sequence = self.motion.is_sequence();
+        let shot = |(k, frame): (usize, &Frame)| {
+            let numbered = || self.output.join(self.with_format(format!("frame_{k:04}")));
+            Ok(Shot {
+                path: if sequence {
+                    numbered()
+                } else {
+                    self.output.clone()
+                },
+                camera: self.framed(sphere, frame.turn)?,
+                time: frame.time,
+            })
+        };
+        frames.iter().enumerate().map(shot).collect()
+    }
+
+    /// A file's name that says its format.
+    fn with_format(&self, name: String) -> String {
+        match Format::of(Path::new(&name)) {
+            Some(_) => name,
+            None => name + if self.aov { ".exr" } else { ".png" },
+        }
+    }
+
+    fn framed(&self, (centre, radius): ([f64; 3], f64), turn: f64) -> Result<Camera> {
         let Size(width, height) = self.size.unwrap_or(Size(1024, 1024));
         let projection = if self.ortho {
             Projection::Orthographic
@@ -257,7 +279,7 @@ impl Render {
         Camera::framed(
             centre,
             radius,
-            self.view.0,
+            self.view.0 + turn,
             self.view.1,
             projection,
             width,
@@ -268,40 +290,29 @@ impl Render {
     fn draw(
         &self,
         stages: &mut Stages,
-        view: &View,
+        shot: &Shot,
         sphere: ([f64; 3], f64),
     ) -> Result<ImageReport> {
-        let lod = self.level(stages.model, &view.camera, sphere)?;
+        let lod = self.level(stages.model, &shot.camera, sphere)?;
+        let time = motion::shown(stages.model.scene(), stages.animation, shot.time);
         let options = drawing::options(self.mode, self.shading, self.samples);
-        let renderer = stages.at(lod)?;
-        let mut image = renderer.draw(&view.camera, &options)?;
+        let renderer = stages.at(lod, time)?;
+        let mut image = renderer.draw(&shot.camera, &options)?;
         let triangles = renderer.picture().triangle_count();
         if let Some(background) = self.background {
             background.under(&mut image);
         }
-        let path = if self.camera.is_some() {
-            self.output.join(&view.name)
-        } else {
-            self.output.clone()
-        };
-        let format = Format::of(&path).unwrap_or(Format::Png);
+        let format = Format::of(&shot.path).unwrap_or(Format::Png);
         let bytes = drawing::encode(&image, format, self.aov)?;
-        write_bytes(&path, &bytes)?;
-        let pass = |(name, nanoseconds)| Pass { name, nanoseconds };
-        Ok(ImageReport {
-            path: path.display().to_string(),
-            width: image.width,
-            height: image.height,
-            lod,
-            triangles,
-            covered_pixels: image.covered_pixels,
-            mean_fetches: image.mean_fetches,
-            sha256: Sha256::digest(&bytes)
-                .iter()
-                .map(|byte| format!("{byte:02x}"))
-                .collect(),
-            passes: image.passes.into_iter().map(pass).collect(),
-        })
+        write_bytes(&shot.path, &bytes)?;
+        let path = shot.path.display().to_string();
+        Ok(ImageReport::new(
+            path,
+            &bytes,
+            image,
+            (lod, triangles),
+            time,
+        ))
     }
 
     fn level(&self, model: &Model, camera: &Camera, sphere: ([f64; 3], f64)) -> Result<usize> {
@@ -319,63 +330,61 @@ impl Render {
     }
 }
 
-/// The model made ready at each level that is asked for.
+/// One image to draw.
+struct Shot {
+    path: PathBuf,
+    camera: Camera,
+    /// Seconds into the animation, as asked for.
+    time: Option<f64>,
+}
+
+/// The model made ready at each level that is asked for, and the moment that it is posed at.
 struct Stages<'a> {
     render: &'a Render,
     model: &'a Model,
     device: &'a Device,
-    ready: BTreeMap<usize, Renderer>,
+    animation: Option<usize>,
+    ready: BTreeMap<usize, (Staged<'a>, Option<f64>)>,
     warnings: Vec<String>,
 }
 
 impl Stages<'_> {
-    fn at(&mut self, level: usize) -> Result<&Renderer> {
-        if !self.ready.contains_key(&level) {
-            let Render {
-                mode,
-                shading,
-                path,
-                ..
-            } = *self.render;
-            let (renderer, warnings) = drawing::renderer(
-                self.model,
-                Wish {
-                    level,
-                    mode,
-                    shading,
-                    path,
-                },
-                self.device,
-            )?;
-            if self.ready.is_empty() {
-                self.warnings = warnings;
+    fn at(&mut self, level: usize, time: Option<f64>) -> Result<&Renderer> {
+        let posed = self.ready.get(&level).map(|(_, posed)| *posed);
+        if posed != Some(time) {
+            let pose = motion::pose(self.model.scene(), self.animation, time)?;
+            match self.ready.get_mut(&level) {
+                Some((staged, _)) => staged.repose(&pose)?,
+                None => self.stage(level, &pose)?,
             }
-            self.ready.insert(level, renderer);
         }
-        Ok(&self.ready[&level])
+        match self.ready.get_mut(&level) {
+            Some((staged, posed)) => {
+                *posed = time;
+                Ok(&staged.renderer)
+            }
+            None => unreachable!("it was staged above"),
+        }
     }
-}
 
-fn table(report: &Report) -> Table {
-    let mut table = Table::new(&[
-        "image",
-        "size",
-        "LoD",
-        "triangles",
-        "covered pixels",
-        "fetches",
-        "sha256",
-    ]);
-    for image in &report.images {
-        table.row([
-            image.path.clone(),
-            format!("{}x{}", image.width, image.height),
-            image.lod.to_string(),
-            thousands(image.triangles.into()),
-            thousands(image.covered_pixels),
-            format!("{:.2}", image.mean_fetches),
-            image.sha256[..16].to_owned(),
-        ]);
+    fn stage(&mut self, level: usize, pose: &Pose) -> Result<()> {
+        let Render {
+            mode,
+            shading,
+            path,
+            ..
+        } = *self.render;
+        let wish = Wish {
+            level,
+            mode,
+            shading,
+            path,
+        };
+        let (staged, warnings) = Staged::new(self.model, wish, pose, self.device)?;
+        if self.ready.is_empty() {
+            self.warnings = warnings;
+        }
+        self.ready.insert(level, (staged, None));
+        Ok(())
     }
-    table
 }

@@ -1,9 +1,10 @@
 //! All meshes of a model as one, welded as their primaries allow.
 //!
 //! In: the meshes. Out: [`Joint`]: vertices in world space, each of one mesh and one part, with the uv of its chart scaled
-//! to the weight it has beside position.
+//! to the weight it has beside position, and where poses move it.
 
 use super::LodInput;
+use super::motion::{Motion, Shape};
 use crate::param::PrimaryKind;
 use crate::param::fit_surface::weld;
 use crate::param::weld::by_place;
@@ -13,8 +14,8 @@ use glam::{DMat4, DVec3, Mat4};
 /// chart borders are kept by topology. (The best of the weights measured for plain textured LoDs.)
 const UV_WEIGHT: f32 = 0.1;
 
-/// Numbers per vertex beside its position: u and v.
-pub(super) const ATTRIBUTES: usize = 2;
+/// Numbers of uv per vertex.
+const UV: usize = 2;
 
 /// One vertex of the joint mesh.
 #[derive(Clone, Copy, Debug)]
@@ -33,8 +34,10 @@ pub(super) struct Origin {
 pub(super) struct Joint {
     /// World positions.
     pub(super) positions: Vec<[f32; 3]>,
-    /// [`ATTRIBUTES`] per vertex: uv times weight for charts, zero for seamless meshes.
+    /// `stride` numbers per vertex: uv times weight for charts, zero for seamless meshes; then those of its motion.
     pub(super) attributes: Vec<f32>,
+    /// Numbers per vertex in `attributes`.
+    pub(super) stride: usize,
     /// Where each vertex comes from.
     pub(super) origins: Vec<Origin>,
     /// Three per triangle; none degenerate.
@@ -43,29 +46,33 @@ pub(super) struct Joint {
     pub(super) reference_triangles: usize,
     /// Per mesh, object to world.
     pub(super) worlds: Vec<DMat4>,
-    /// Whether any mesh has attributes that count.
-    pub(super) has_charts: bool,
+    /// Whether any vertex has attributes that count.
+    pub(super) has_attributes: bool,
 }
 
 impl Joint {
     /// Joins and welds `meshes`.
-    pub(super) fn new(meshes: &[LodInput<'_>]) -> Self {
+    pub(super) fn new(meshes: &[LodInput<'_>], shapes: &[Vec<Shape>]) -> Self {
+        let worlds: Vec<DMat4> = meshes.iter().map(world).collect();
+        let motion = Motion::new(meshes, shapes, &worlds);
+        let charts = meshes.iter().any(|input| !input.primary.is_seamless());
         let mut joint = Joint {
             positions: vec![],
             attributes: vec![],
+            stride: UV + motion.numbers(),
             origins: vec![],
             indices: vec![],
             reference_triangles: meshes.iter().map(|input| input.mesh.triangles.len()).sum(),
-            worlds: meshes.iter().map(world).collect(),
-            has_charts: meshes.iter().any(|input| !input.primary.is_seamless()),
+            worlds,
+            has_attributes: charts || motion.numbers() > 0,
         };
         for (m, input) in meshes.iter().enumerate() {
-            joint.append(m, input);
+            joint.append(m, input, &motion);
         }
         joint
     }
 
-    fn append(&mut self, m: usize, input: &LodInput<'_>) {
+    fn append(&mut self, m: usize, input: &LodInput<'_>, motion: &Motion) {
         let mesh = input.mesh;
         let weld = weld(mesh, input.primary.kind);
         // Both sides of a seam must lie at one place to the bit, or the simplifier would take it for two borders.
@@ -88,6 +95,7 @@ impl Joint {
                         layer,
                     };
                     self.push(input, origin, place.of[v as usize]);
+                    self.attributes.extend(motion.of(m, v as usize));
                 }
                 self.indices.push(joined[v as usize]);
             }
@@ -108,15 +116,15 @@ impl Joint {
             PrimaryKind::UvSet(set) => {
                 input.mesh.uv_sets[set as usize][origin.vertex as usize].map(|x| x * UV_WEIGHT)
             }
-            _ => [0.0; ATTRIBUTES],
+            _ => [0.0; UV],
         });
         self.origins.push(origin);
     }
 }
 
-/// A chart's uv from a vertex's attributes.
-pub(super) fn uv_of(attributes: &[f32], vertex: usize) -> [f64; 2] {
-    [0, 1].map(|k| f64::from(attributes[vertex * ATTRIBUTES + k]) / f64::from(UV_WEIGHT))
+/// A chart's uv from a vertex's attributes, of which each has `stride`.
+pub(super) fn uv_of(attributes: &[f32], stride: usize, vertex: usize) -> [f64; 2] {
+    [0, 1].map(|k| f64::from(attributes[vertex * stride + k]) / f64::from(UV_WEIGHT))
 }
 
 /// Object to world in f64; identity where it cannot be undone or throws points out of the range of f32.

@@ -14,21 +14,25 @@
 //! chart borders are kept, so that every LoD triangle lies in one chart. Vertices may move to the optimum.
 //! Simplifier: meshoptimizer (quadric error metric, Garland and Heckbert), through the meshopt crate.
 
+mod carry;
 pub mod deviation;
 mod joint;
+mod motion;
 mod order;
 mod simplify;
 mod split;
 mod tree;
 
+pub use motion::{MOST_POSES, Shape};
+
 use crate::error::{Error, Result};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, MorphTarget};
 use crate::param::Primary;
 use crate::param::layer::Parts;
 use rayon::prelude::*;
 
 /// One level of detail of one mesh. Per-vertex arrays have one element per vertex; `joints` and `weights` are empty for
-/// unskinned meshes.
+/// unskinned meshes, `targets` for those that do not morph.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lod {
     /// Object-space positions.
@@ -45,6 +49,8 @@ pub struct Lod {
     pub joints: Vec<[u16; 4]>,
     /// Skin weights.
     pub weights: Vec<[f32; 4]>,
+    /// The reference's morph targets (positions and normals), which its weights move.
+    pub targets: Vec<MorphTarget>,
     /// The simplifier's error over the whole model, in this mesh's object units.
     pub error: f32,
     /// Triangles that lie the other way round in T3 than their part of the reference.
@@ -72,6 +78,19 @@ pub struct LodInput<'a> {
 /// # Errors
 /// [`Error::Option`] naming `--lods` where a fraction is not between 0 and 1 (both excluded).
 pub fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>>> {
+    chains_in_motion(meshes, &[], fractions)
+}
+
+/// The same of a model that moves: `shapes` has, for each mesh, its vertices' positions in up to [`MOST_POSES`] poses, none
+/// for a mesh that nothing deforms. LoDs keep vertices where it bends.
+///
+/// # Errors
+/// As [`chains`].
+pub fn chains_in_motion(
+    meshes: &[LodInput<'_>],
+    shapes: &[Vec<Shape>],
+    fractions: &[f32],
+) -> Result<Vec<Vec<Lod>>> {
     if let Some(bad) = fractions.iter().find(|f| !(**f > 0.0 && **f < 1.0)) {
         return Err(Error::Option {
             option: "--lods",
@@ -80,8 +99,9 @@ pub fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>
             ),
         });
     }
-    let joint = joint::Joint::new(meshes);
+    let joint = joint::Joint::new(meshes, shapes);
     let order = order::Order::new(&joint);
+    let carries: Vec<Option<carry::Carry>> = meshes.par_iter().map(carry::Carry::new).collect();
     let levels: Vec<Vec<Lod>> = fractions
         .par_iter()
         .map(|&fraction| {
@@ -89,7 +109,7 @@ pub fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>
             order.restore(&mut simplified);
             (0..meshes.len())
                 .into_par_iter()
-                .map(|m| split::split(meshes, &joint, &simplified, m))
+                .map(|m| split::split(meshes, &joint, &simplified, m, carries[m].as_ref()))
                 .collect()
         })
         .collect();
@@ -101,7 +121,7 @@ pub fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>
             .for_each(|(chain, lod)| chain.push(lod));
     }
     for (m, chain) in chains.iter_mut().enumerate() {
-        keep_present(meshes, &joint, m, chain, fractions);
+        keep_present(meshes, &joint, m, chain, (fractions, carries[m].as_ref()));
     }
     Ok(chains)
 }
@@ -112,16 +132,16 @@ fn keep_present(
     joint: &joint::Joint,
     m: usize,
     chain: &mut [Lod],
-    fractions: &[f32],
+    (fractions, carry): (&[f32], Option<&carry::Carry>),
 ) {
     let mut finest_first: Vec<usize> = (0..chain.len()).collect();
     finest_first.sort_by(|&a, &b| fractions[b].total_cmp(&fractions[a]));
     let mut finer: Option<Lod> = None;
     for k in finest_first {
         if chain[k].triangles.is_empty() {
-            let kept = finer
-                .clone()
-                .unwrap_or_else(|| split::split(meshes, joint, &simplify::untouched(joint), m));
+            let kept = finer.clone().unwrap_or_else(|| {
+                split::split(meshes, joint, &simplify::untouched(joint), m, carry)
+            });
             chain[k] = Lod {
                 reached: false,
                 ..kept

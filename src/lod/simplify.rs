@@ -3,7 +3,7 @@
 //! In: the joint mesh and a fraction of its triangles. Out: [`Simplified`], whose vertices may have moved. Sequential inside,
 //! so the same input gives the same bytes.
 
-use super::joint::{ATTRIBUTES, Joint};
+use super::joint::Joint;
 use meshopt::SimplifyOptions;
 
 /// A joint mesh with fewer triangles; vertices keep the joint mesh's numbers.
@@ -23,18 +23,22 @@ pub(super) fn simplify(joint: &Joint, fraction: f32) -> Simplified {
         ((joint.reference_triangles as f64 * f64::from(fraction)).round() as usize).max(1) * 3;
     let mut result = untouched(joint);
     if target < joint.indices.len() {
-        // An attribute without weight costs nothing: models without charts are simplified by position alone.
-        let weights: &[f32] = if joint.has_charts {
-            &[1.0; ATTRIBUTES]
-        } else {
-            &[]
-        };
+        // An attribute without weight costs nothing: models without charts that do not move are simplified by position
+        // alone.
+        let weights = vec![
+            1.0;
+            if joint.has_attributes {
+                joint.stride
+            } else {
+                0
+            }
+        ];
         let count = meshopt::simplify_with_update(
             &mut result.indices,
             &mut result.positions,
             &mut result.attributes,
-            weights,
-            ATTRIBUTES * size_of::<f32>(),
+            &weights,
+            joint.stride * size_of::<f32>(),
             None,
             target,
             f32::MAX.sqrt() * 0.5,

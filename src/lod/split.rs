@@ -3,6 +3,7 @@
 //! In: the simplified mesh and a mesh's number. Out: its [`Lod`]: object space, T3 on the grid, layers, skin, normals, in an
 //! order that is kind to vertex caches.
 
+use super::carry::{self, Carry};
 use super::joint::{Joint, uv_of};
 use super::simplify::Simplified;
 use super::{Lod, LodInput};
@@ -17,6 +18,7 @@ pub(super) fn split(
     joint: &Joint,
     simplified: &Simplified,
     m: usize,
+    carry: Option<&Carry>,
 ) -> Lod {
     let triangles: Vec<[u32; 3]> = simplified
         .indices
@@ -38,8 +40,13 @@ pub(super) fn split(
         ..Lod::default()
     };
     let undo = joint.worlds[m].inverse();
+    let mut sides = carry::Sides::new();
     for &v in &vertices {
         push_vertex(&mut lod, &meshes[m], joint, simplified, v as usize, undo);
+        if let (Some(carry), Some(&position)) = (carry, lod.positions.last()) {
+            let origin = &joint.origins[v as usize];
+            carry.push(&mut lod, &mut sides, (origin.vertex, origin.part), position);
+        }
     }
     lod.normals = smooth_normals(&lod.positions, &lod.triangles);
     lod.turned = turned(&lod, &meshes[m], joint, &vertices);
@@ -102,8 +109,9 @@ fn push_vertex(
     } else {
         moved.to_array()
     };
-    let uv = uv_of(&simplified.attributes, v);
-    let same_uv = uv == uv_of(&joint.attributes, v) || !uv.iter().all(|x| x.is_finite());
+    let uv = uv_of(&simplified.attributes, joint.stride, v);
+    let same_uv =
+        uv == uv_of(&joint.attributes, joint.stride, v) || !uv.iter().all(|x| x.is_finite());
     let t3 = match primary.kind {
         PrimaryKind::UvSet(_) if same_uv => primary.t3_of(mesh, origin),
         PrimaryKind::UvSet(_) => [uv[0], uv[1], 0.0],
@@ -111,10 +119,6 @@ fn push_vertex(
     };
     lod.positions.push(position);
     lod.t3.push(primary.to_grid(t3));
-    if let (Some(&joints), Some(&weights)) = (mesh.joints.get(origin), mesh.weights.get(origin)) {
-        lod.joints.push(joints);
-        lod.weights.push(weights);
-    }
 }
 
 /// The simplifier's error in object units of mesh `m`; finite.

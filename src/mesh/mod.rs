@@ -41,6 +41,33 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// For each triangle its material (index into the scene's materials).
     pub triangle_material: Vec<u32>,
+    /// Shapes to morph towards.
+    pub targets: Vec<MorphTarget>,
+    /// How far, at rest, one for each of `targets` (0: not at all, 1: all the way).
+    pub target_weights: Vec<f32>,
+}
+
+/// A shape that a mesh can morph towards: what to add to each vertex at weight 1. Arrays have one element per vertex or
+/// are empty (nothing is added).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MorphTarget {
+    /// To positions.
+    pub positions: Vec<[f32; 3]>,
+    /// To normals.
+    pub normals: Vec<[f32; 3]>,
+    /// To the directions of tangents.
+    pub tangents: Vec<[f32; 3]>,
+}
+
+impl MorphTarget {
+    /// The arrays and their names.
+    pub(crate) fn arrays(&self) -> [(&'static str, &Vec<[f32; 3]>); 3] {
+        [
+            ("positions", &self.positions),
+            ("normals", &self.normals),
+            ("tangents", &self.tangents),
+        ]
+    }
 }
 
 impl Mesh {
@@ -89,6 +116,19 @@ impl Mesh {
         )?;
         if self.joints.len() != self.weights.len() {
             return Err(self.fault("joints".into(), "joints and weights come together".into()));
+        }
+        self.length(
+            "target_weights",
+            self.target_weights.len(),
+            self.targets.len(),
+            false,
+        )?;
+        for (k, target) in self.targets.iter().enumerate() {
+            for (what, values) in target.arrays() {
+                let name = format!("targets[{k}].{what}");
+                self.length(&name, values.len(), vertices, true)?;
+                self.finite(&name, values)?;
+            }
         }
         self.finite("positions", &self.positions)?;
         self.finite("normals", &self.normals)?;
@@ -153,7 +193,7 @@ mod tests {
     #[test]
     fn every_fault_is_named() {
         type Spoil = fn(&mut Mesh);
-        let faults: [(Spoil, &str); 7] = [
+        let faults: [(Spoil, &str); 9] = [
             (|m| m.triangles[1][2] = 4, "triangles[1]"),
             (|m| m.positions[3][1] = f32::NAN, "positions[3]"),
             (|m| m.uv_sets[0][2][0] = f32::INFINITY, "uv_sets[0][2]"),
@@ -161,6 +201,17 @@ mod tests {
             (|m| m.colors = vec![[1.0; 4]; 3], "colors"),
             (|m| m.joints = vec![[0; 4]; 4], "joints"),
             (|m| m.triangle_material.clear(), "triangle_material"),
+            (|m| m.target_weights.push(1.0), "target_weights"),
+            (
+                |m| {
+                    m.target_weights.push(1.0);
+                    m.targets.push(MorphTarget {
+                        normals: vec![[0.0; 3]; 5],
+                        ..MorphTarget::default()
+                    });
+                },
+                "targets[0].normals",
+            ),
         ];
         for (spoil, element) in faults {
             let mut mesh = shapes::tetrahedron();

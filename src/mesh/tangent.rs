@@ -75,6 +75,11 @@ impl Mesh {
         again(&mut self.colors, at);
         again(&mut self.joints, at);
         again(&mut self.weights, at);
+        for target in &mut self.targets {
+            again(&mut target.positions, at);
+            again(&mut target.normals, at);
+            again(&mut target.tangents, at);
+        }
         self.tangents.push(tangent);
         self.positions.len() as u32 - 1
     }
@@ -331,6 +336,11 @@ mod tests {
             .iter_mut()
             .for_each(|uv| uv[0] = (uv[0] - 0.5).abs());
         mesh.tangents = vec![[0.0; 4]; 9];
+        mesh.targets = vec![crate::mesh::MorphTarget {
+            positions: mesh.positions.clone(),
+            ..Default::default()
+        }];
+        mesh.target_weights = vec![0.0];
         let before = mesh.triangles.len();
         mesh.generate_tangents(&all_set_0(&shapes::grid(2)));
         assert_eq!(
@@ -339,6 +349,7 @@ mod tests {
             "the three vertices on the mirror line are doubled"
         );
         assert_eq!(mesh.triangles.len(), before);
+        assert_eq!(mesh.targets[0].positions, mesh.positions);
         mesh.validate().unwrap();
     }
 

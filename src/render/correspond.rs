@@ -23,6 +23,9 @@ pub(crate) const INVERSE: u32 = 1;
 /// Query-grid steps to floats of about one, so that no product of six of them leaves the range of `f32`.
 const UNIT: f32 = 1.0 / 536_870_912.0;
 
+/// How far from its first corner a query on a triangle may be, in steps of the query grid.
+const REACH: f32 = 1.5e9;
+
 /// What a correspondence answers.
 pub(crate) struct Correspondence {
     /// None where the tables know no triangle near the point.
@@ -87,13 +90,13 @@ fn inverse(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondenc
 }
 
 /// T3 at barycentrics `b` of a drawn triangle, on the query grid. Relative to the first vertex, so that the error is
-/// 2^-24 of the triangle, not of the whole domain. A neighbour of a pixel that sees its triangle edge on may lie up to
-/// 10^9 steps outside the domain; its gradient must not be cut short.
+/// 2^-24 of the triangle, not of the whole domain. A triangle may span the domain, 2^30 steps; a neighbour of a pixel that
+/// sees its triangle edge on may lie outside by as much as an i32 holds, and its gradient must not be cut short.
 fn query_point(t3: &[[i32; 4]; 3], b: [f32; 3]) -> [i32; 3] {
     std::array::from_fn(|k| {
         let along = |v: usize| ((t3[v][k] - t3[0][k]) << QUERY_SHIFT) as f32;
         let offset = b[1] * along(1) + b[2] * along(2);
-        let offset = (offset + 0.5).floor().clamp(-1.0e9, 1.0e9) as i32;
+        let offset = (offset + 0.5).floor().clamp(-REACH, REACH) as i32;
         (t3[0][k] << QUERY_SHIFT) + offset
     })
 }
@@ -192,7 +195,9 @@ mod tests {
             [8_388_607 << 6, -(8_388_607 << 6), 0]
         );
         assert_eq!(query_point(&t3, [0.0, 0.0, 1.0]), [64, 128, 192]);
+        let opposite = query_point(&t3, [0.0, 1.0, 0.0]);
+        assert_eq!(opposite[0], -(8_388_607 << 6), "right across the domain");
         let far = query_point(&t3, [-1e30, 1e30, 1e30]);
-        assert!(far.iter().all(|c| c.abs() <= QUERY_MAX + 1_000_000_000));
+        assert!(far.iter().all(|c| c.abs() <= QUERY_MAX + 1_500_000_000));
     }
 }

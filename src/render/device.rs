@@ -20,6 +20,8 @@ const AOV_BYTES: u64 = size_of::<Aov>() as u64;
 /// A picture on a device.
 pub(crate) struct Device {
     context: Context,
+    /// What another pose writes anew.
+    pub(super) posed: Posed,
     arrays: Arrays,
     project: Bound<render_project::Shader>,
     draw_count: u32,
@@ -45,6 +47,44 @@ pub(crate) struct Arrays {
     pub(super) igt_hash: Buffer,
     pub(super) igt_list: Buffer,
     pub(super) igt_triangles: Buffer,
+}
+
+/// The arrays that depend on the pose.
+pub(crate) struct Posed {
+    context: Context,
+    draws: Buffer,
+    positions: Buffer,
+    attribute_vertices: Buffer,
+}
+
+impl Posed {
+    pub(super) fn new(context: &Context, arrays: &Arrays) -> Self {
+        Posed {
+            context: context.clone(),
+            draws: arrays.draws.clone(),
+            positions: arrays.positions.clone(),
+            attribute_vertices: arrays.attribute_vertices.clone(),
+        }
+    }
+
+    /// Writes them as `picture` has them, which differs from the uploaded one by its pose alone.
+    pub(super) fn write(&self, picture: &Picture) -> Result<()> {
+        let vertices: &[u8] = bytemuck::cast_slice(&picture.attributes.vertices);
+        for (buffer, bytes) in [
+            (&self.draws, bytemuck::cast_slice(&picture.draws)),
+            (&self.positions, bytemuck::cast_slice(&picture.positions)),
+            (&self.attribute_vertices, vertices),
+        ] {
+            let name = buffer.name();
+            assert_eq!(
+                buffer.bytes(),
+                bytes.len() as u64,
+                "{name} of another picture"
+            );
+            self.context.write(buffer, 0, bytes)?;
+        }
+        Ok(())
+    }
 }
 
 /// Images and buffers of one size that a picture is drawn into.
@@ -73,6 +113,7 @@ impl Device {
                 })?;
         Ok(Device {
             context: context.clone(),
+            posed: Posed::new(context, &arrays),
             arrays,
             project,
             draw_count: picture.draws.len() as u32,

@@ -31,7 +31,10 @@ pub(crate) struct DrawRecord {
     /// 0: a triangle is its own reference; 1: the inverse geometric texture says which.
     pub correspondence: u32,
     /// The tables of the inverse geometric texture (`igt_tables`).
-    pub igt: [u32; 16],
+    pub igt: [u32; 15],
+    /// Where in the words of the vertices' attributes the frames of a deformed geometry begin, and one more: 9 words for
+    /// each vertex (see [`super::deform`]). 0: nothing deforms it.
+    pub frames: u32,
 }
 
 /// A projected vertex. 32 bytes.

@@ -4,7 +4,7 @@
 //! the deferred path up to the rasteriser's and the texture unit's own rounding. Textures of one size, colour space and
 //! sampler are layers of one array ([`CLASSES`] of them), so that no array of images is indexed by a variable.
 
-use super::device::Arrays;
+use super::device::{Arrays, Posed};
 use super::draw::ViewConstants;
 use super::picture::Picture;
 use super::shade::{Aov, NOTHING, Pixel};
@@ -34,6 +34,8 @@ const FORMATS: [vk::Format; 3] = [
 /// A picture bound to the forward pipeline.
 pub(crate) struct Forward {
     context: Context,
+    /// What another pose writes anew.
+    pub(super) posed: Posed,
     bound: Bound<Shader>,
     draw_count: u32,
     triangle_count: u32,
@@ -88,6 +90,7 @@ impl Forward {
         })?;
         Ok(Forward {
             context: context.clone(),
+            posed: Posed::new(context, a),
             bound,
             draw_count: picture.draws.len() as u32,
             triangle_count: picture.triangle_count(),

@@ -14,11 +14,13 @@ mod camera_file;
 mod constants;
 mod correspond;
 mod cover;
+mod deform;
 #[cfg(feature = "gpu")]
 mod device;
 mod draw;
 #[cfg(feature = "gpu")]
 mod forward;
+mod frame;
 mod light;
 mod picture;
 mod plain;
@@ -27,7 +29,6 @@ mod raster;
 mod renderer;
 mod resolve;
 mod shade;
-mod skin;
 mod stage;
 
 pub use camera::{Camera, MAX_SIDE, Projection};
@@ -36,4 +37,4 @@ pub use constants::legend;
 pub use draw::Light;
 pub use picture::{Geometry, Picture};
 pub use renderer::{Options, Output, Rendered, Renderer};
-pub use stage::{Correspond, Subject, stage};
+pub use stage::{Correspond, Subject, stage, stage_posed};

@@ -5,6 +5,7 @@
 
 use super::constants::constants;
 use super::correspond::{IDENTITY, INVERSE};
+use super::deform::Frames;
 use super::draw::DrawRecord;
 use crate::attribute::AttributeSet;
 use crate::igt::{Asker, Tables};
@@ -20,6 +21,15 @@ pub struct Geometry {
     corner_base: u32,
     triangle_count: u32,
     slack: f32,
+    handed: f32,
+    frames: u32,
+}
+
+impl Geometry {
+    /// The same, turned inside out by its skin if `handed` is -1.
+    pub(super) fn with_handed(self, handed: f32) -> Self {
+        Geometry { handed, ..self }
+    }
 }
 
 /// Flat arrays of all geometries, draws and attributes.
@@ -71,6 +81,8 @@ impl Picture {
     ) -> Result<Geometry> {
         let geometry = Geometry {
             slack,
+            handed: 1.0,
+            frames: 0,
             vertex_base: within(
                 "vertices of a picture",
                 self.positions.len() + positions.len(),
@@ -99,6 +111,20 @@ impl Picture {
         Ok(geometry)
     }
 
+    /// The same geometry with `frames` that turn the directions of the reference at each of its vertices.
+    pub(super) fn with_frames(&mut self, geometry: Geometry, frames: &Frames) -> Result<Geometry> {
+        let words = &mut self.attributes.vertices;
+        let added = frames.rows.len() * 9;
+        let what = "words of vertex attributes and frames";
+        let begin = within(what, words.len() + added, added)?;
+        words.extend(frames.rows.iter().flatten().map(|x| x.to_bits()));
+        Ok(Geometry {
+            slack: geometry.slack * frames.stretch,
+            frames: begin + 1,
+            ..geometry
+        })
+    }
+
     /// Adds the tables of a reference; returns their number.
     pub fn add_tables(&mut self, tables: Arc<Tables>) -> u32 {
         self.tables.push(tables);
@@ -107,13 +133,13 @@ impl Picture {
 
     /// What a draw record says of tables `number`: the number, where its hash (in pairs of words), lists and triangles (in
     /// quadruples) begin when all tables lie after each other, and how to read them.
-    fn igt_words(&self, number: u32) -> [u32; 16] {
+    fn igt_words(&self, number: u32) -> [u32; 15] {
         let before = &self.tables[..number as usize];
         let base = |words: fn(&Tables) -> &Vec<u32>, size: usize| {
             before.iter().map(|t| (words(t).len() / size) as u32).sum()
         };
         let tables = &self.tables[number as usize];
-        let mut out = [0; 16];
+        let mut out = [0; 15];
         out[..4].copy_from_slice(&[
             number,
             base(|t| &t.hash, 2),
@@ -148,8 +174,15 @@ impl Picture {
             ..DrawRecord::default()
         };
         (record.world, record.normal) = transforms(world)?;
-        record.normal[1][3] = (f64::from(geometry.slack) * largest_stretch(world)) as f32;
-        record.igt = tables.map_or([0; 16], |number| self.igt_words(number));
+        record.normal[0][3] *= geometry.handed;
+        let stretch = if geometry.frames == 0 {
+            largest_stretch(world)
+        } else {
+            1.0
+        };
+        record.normal[1][3] = (f64::from(geometry.slack) * stretch) as f32;
+        record.frames = geometry.frames;
+        record.igt = tables.map_or([0; 15], |number| self.igt_words(number));
         let triangles = self.triangles as usize + geometry.triangle_count as usize;
         self.triangles = within("drawn triangles", triangles, 0)?;
         self.vertices = within(

@@ -11,12 +11,15 @@ use super::shade::{
     Aov, FETCHES_SHIFT, FLAG_WIREFRAME, NOTHING, OUTPUT_FETCHES, OUTPUT_LIT, OUTPUT_NORMALS,
     OUTPUT_UNLIT, Pixel,
 };
+use super::stage::{Correspond, Subject, stage_with};
 use super::{project, raster, resolve, shade};
 #[cfg(feature = "gpu")]
 use crate::Error;
 use crate::Result;
+use crate::attribute::AttributeSet;
 #[cfg(feature = "gpu")]
 use crate::gpu;
+use crate::scene::{Pose, Scene};
 
 /// What is written into the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -134,6 +137,53 @@ impl Renderer {
     /// The picture.
     pub fn picture(&self) -> &Picture {
         &self.picture
+    }
+
+    /// From now on draws another pose of `scene`: of the scene, subjects and correspondence that its picture was staged
+    /// with. Textures, tables and pipelines stay where they are.
+    ///
+    /// ```no_run
+    /// # use invertex::render::{Camera, Correspond, Options, Projection, Renderer, stage_posed};
+    /// # fn main() -> invertex::Result<()> {
+    /// let scene = invertex::scene::Scene::load("fox.glb".as_ref())?;
+    /// let walk = scene.animation_named("Walk")?;
+    /// let rest = scene.rest();
+    /// let (picture, _) = stage_posed(&scene, &[], Correspond::Reference, true, &rest)?;
+    /// let (centre, radius) = picture.bounding_sphere();
+    /// let camera = Camera::framed(centre, radius, 75.0, 10.0, Projection::Perspective, 640, 480)?;
+    /// let mut renderer = Renderer::cpu(picture);
+    /// for frame in 0..30 {
+    ///     let time = scene.animations[walk].looped(f64::from(frame) / 30.0);
+    ///     renderer.repose(&scene, &[], Correspond::Reference, &scene.pose(walk, time)?)?;
+    ///     let image = renderer.draw(&camera, &Options::default())?;
+    ///     println!("{frame}: {} pixels", image.covered_pixels);
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`stage_posed`](super::stage_posed), after which the renderer is of no use; those of the device. Panics where the
+    /// picture was staged from something else, so that its arrays have other lengths.
+    pub fn repose(
+        &mut self,
+        scene: &Scene,
+        subjects: &[Subject],
+        correspond: Correspond,
+        pose: &Pose,
+    ) -> Result<()> {
+        let nothing = Picture::new(AttributeSet::default());
+        let mut attributes = std::mem::replace(&mut self.picture, nothing).attributes;
+        attributes.triangles.clear();
+        attributes.vertices.clear();
+        self.picture = stage_with(attributes, scene, subjects, correspond, pose)?;
+        #[cfg(feature = "gpu")]
+        match &self.on {
+            Processor::Cpu => {}
+            Processor::Deferred(device) => device.posed.write(&self.picture)?,
+            Processor::Forward(forward) => forward.posed.write(&self.picture)?,
+        }
+        Ok(())
     }
 
     /// One image.

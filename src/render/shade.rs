@@ -8,6 +8,7 @@ use super::constants::{THRESHOLDS_AT, palette};
 use super::correspond::{self, Correspondence};
 use super::cover::{Edges, edges};
 use super::draw::{DrawRecord, Projected, ViewConstants, draw_of_triangle};
+use super::frame;
 use super::light::{lit, split, towards_eye};
 use super::picture::Picture;
 use super::project::affine;
@@ -134,11 +135,11 @@ fn shade(
     let (linear, rgba8) = colour(
         picture,
         view,
-        draw,
         &Sight {
             here: &here,
             sense,
             world,
+            frame: &frame::at(picture, draw, vertex, b),
         },
         &found,
     );
@@ -173,6 +174,7 @@ struct Sight<'a> {
     here: &'a Edges,
     sense: i32,
     world: V3,
+    frame: &'a frame::Rows,
 }
 
 fn world_position(picture: &Picture, draw: &DrawRecord, vertex: [u32; 3], b: [f32; 3]) -> V3 {
@@ -184,15 +186,12 @@ fn world_position(picture: &Picture, draw: &DrawRecord, vertex: [u32; 3], b: [f3
 fn colour(
     picture: &Picture,
     view: &ViewConstants,
-    draw: &DrawRecord,
     sight: &Sight,
     found: &Correspondence,
 ) -> ([f32; 4], u32) {
     let constants = &picture.constants;
-    let frame = Frame {
-        world: &draw.world,
-        normal: &draw.normal,
-    };
+    let (world, normal) = sight.frame;
+    let frame = Frame { world, normal };
     let mut surface = found.point.map_or(UNKNOWN, |p| {
         picture.attributes.surface(constants, &p, &frame)
     });
@@ -200,7 +199,7 @@ fn colour(
         return ([0.0; 4], 0);
     }
     // Counter-clockwise is the front, with y up; pixels have y down; a mirroring transform turns it again.
-    if sight.sense as f32 * draw.normal[0][3] > 0.0 {
+    if sight.sense as f32 * normal[0][3] > 0.0 {
         surface.normal = surface.normal.map(|c| -c);
     }
     let output = view.flags & OUTPUT_MASK;

@@ -1,17 +1,19 @@
 //! From a scene to a [`Picture`].
 //!
-//! In: a [`Scene`]; for each of its meshes what it is drawn with ([`Subject`]); which correspondence. Out: a picture with
-//! every instance of the default scene, skinned ones at rest.
+//! In: a [`Scene`] and a [`Pose`] of it; for each of its meshes what it is drawn with ([`Subject`]); which correspondence.
+//! Out: a picture with every instance of the default scene as the pose has it. A reference is posed whole. Of a LoD only its
+//! own vertices are: T3 does not move, so a point of the LoD asks for the same point of the reference in every pose.
 
+use super::deform::{Frames, frames};
 use super::picture::{Geometry, Picture};
-use super::{plain, skin};
+use super::plain;
 use crate::Result;
 use crate::attribute::{AttributeSet, attributes_of};
 use crate::igt::{Tables, askers, layout};
 use crate::lod::Lod;
 use crate::mesh::Mesh;
-use crate::scene::{Instance, Scene};
-use glam::DMat4;
+use crate::scene::{Deformation, Instance, Pose, Rest, Scene};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Where a drawn point's appearance comes from.
@@ -37,7 +39,7 @@ pub struct Subject<'a> {
     pub layers: &'a [u8],
 }
 
-/// The picture of `scene`, and what was replaced on the way. `subjects` has one element per mesh, or none for the
+/// The picture of `scene` at rest, and what was replaced on the way. `subjects` has one element per mesh, or none for the
 /// reference alone. `lit`: whether more than base colour will be drawn.
 ///
 /// # Errors
@@ -49,120 +51,201 @@ pub fn stage(
     correspond: Correspond,
     lit: bool,
 ) -> Result<(Picture, Vec<String>)> {
+    stage_posed(scene, subjects, correspond, lit, &scene.rest())
+}
+
+/// [`stage`] of `scene` as it stands in `pose`, one of its own. For the next pose of the same picture see
+/// [`Renderer::repose`](super::Renderer::repose), which keeps textures and pipelines.
+///
+/// # Errors
+/// As [`stage`]; [`Error::Input`](crate::Error::Input) also where the pose moves a vertex out of the range of floats.
+pub fn stage_posed(
+    scene: &Scene,
+    subjects: &[Subject],
+    correspond: Correspond,
+    lit: bool,
+    pose: &Pose,
+) -> Result<(Picture, Vec<String>)> {
     let (attributes, warnings) = attributes_of(scene, lit)?;
+    let picture = stage_with(attributes, scene, subjects, correspond, pose)?;
+    Ok((picture, warnings))
+}
+
+/// The same with materials and textures at hand; `attributes` holds no mesh.
+pub(super) fn stage_with(
+    attributes: AttributeSet,
+    scene: &Scene,
+    subjects: &[Subject],
+    correspond: Correspond,
+    pose: &Pose,
+) -> Result<Picture> {
     let mut staging = Staging {
         picture: Picture::new(attributes),
         ready: vec![None; scene.meshes.len()],
+        fetched: vec![None; scene.meshes.len()],
     };
-    for instance in scene.instances() {
+    for instance in scene.instances_in(pose) {
         let subject = subjects.get(instance.mesh).cloned().unwrap_or_default();
-        staging.add(scene, &instance, &subject, correspond)?;
+        let subject = (instance.mesh, &scene.meshes[instance.mesh], &subject);
+        match Deformation::of(scene, &instance, pose) {
+            Some(deformation) => staging.add_deformed(subject, correspond, &deformation)?,
+            None => staging.add(subject, correspond, &instance)?,
+        }
     }
-    Ok((staging.picture, warnings))
+    Ok(staging.picture)
+}
+
+/// How a deformed geometry turns directions.
+struct Turning {
+    /// -1 where its skin turns it inside out.
+    handed: f32,
+    /// Of its vertices, where the attributes it shows are those at rest.
+    frames: Option<Frames>,
+}
+
+impl Turning {
+    /// `at_rest`: whether the attributes it shows are.
+    fn of(deformation: Option<&Deformation>, rest: Rest, at_rest: bool) -> Self {
+        Turning {
+            handed: deformation.map_or(1.0, |d| d.handed(rest)),
+            frames: deformation.filter(|_| at_rest).map(|d| frames(d, rest)),
+        }
+    }
 }
 
 struct Staging {
     picture: Picture,
-    /// For each mesh that is in the picture already, unskinned: geometry, first attribute triangle, tables.
+    /// For each mesh that is in the picture already and that nothing deforms: geometry, first attribute triangle, tables.
     ready: Vec<Option<Ready>>,
+    /// For each mesh whose attributes at rest and tables are there: first attribute triangle, number of the tables. All
+    /// instances share them, however each is deformed.
+    fetched: Vec<Option<(u32, u32)>>,
 }
 
 type Ready = (Geometry, u32, Option<u32>);
 
+/// A mesh, its number, and what it is drawn with.
+type Numbered<'a> = (usize, &'a Mesh, &'a Subject<'a>);
+
 impl Staging {
     fn add(
         &mut self,
-        scene: &Scene,
-        instance: &Instance,
-        subject: &Subject,
+        subject: Numbered,
         correspond: Correspond,
+        instance: &Instance,
     ) -> Result<()> {
-        let mesh = &scene.meshes[instance.mesh];
-        if let Some(skin) = instance.skin.filter(|_| !mesh.joints.is_empty()) {
-            let palette = skin::palette(scene, &scene.skins[skin]);
-            let (geometry, base, tables) =
-                self.prepare(mesh, subject, correspond, Some(&palette))?;
-            return self.picture.draw(geometry, base, tables, DMat4::IDENTITY);
-        }
         let (geometry, base, tables) = match self.ready[instance.mesh] {
             Some(ready) => ready,
-            None => self.prepare(mesh, subject, correspond, None)?,
+            None => self.prepare(subject, correspond, None)?,
         };
         self.ready[instance.mesh] = Some((geometry, base, tables));
         self.picture.draw(geometry, base, tables, instance.world)
     }
 
+    fn add_deformed(
+        &mut self,
+        subject: Numbered,
+        correspond: Correspond,
+        deformation: &Deformation,
+    ) -> Result<()> {
+        let (geometry, base, tables) = self.prepare(subject, correspond, Some(deformation))?;
+        self.picture
+            .draw(geometry, base, tables, deformation.world())
+    }
+
     fn prepare(
         &mut self,
-        mesh: &Mesh,
-        subject: &Subject,
+        (number, mesh, subject): Numbered,
         correspond: Correspond,
-        palette: Option<&[DMat4]>,
+        deformation: Option<&Deformation>,
     ) -> Result<Ready> {
-        let placed = palette.map(|p| skin::mesh(p, mesh));
-        let reference = placed.as_ref().unwrap_or(mesh);
         let inverse = subject
             .tables
             .as_ref()
             .filter(|_| correspond != Correspond::Reference);
         let Some(tables) = inverse else {
-            return self.own(reference, 0.0);
+            let turning = Turning::of(deformation, mesh.into(), false);
+            let posed = deformation.map(|d| d.mesh(mesh)).transpose()?;
+            let mesh = posed.as_ref().unwrap_or(mesh);
+            return self.own(mesh, &mesh.positions, &turning, 0.0);
         };
         let lod = match subject.lod {
-            Some(lod) => placed_lod(lod, palette),
-            None => level_zero(mesh, reference, tables, subject.layers),
+            Some(lod) => Cow::Borrowed(lod),
+            None => Cow::Owned(level_zero(mesh, tables, subject.layers)),
         };
+        let rest = Rest::from(lod.as_ref());
+        let positions = match deformation {
+            Some(deformation) => Cow::Owned(deformation.positions(&mesh.name, rest)?),
+            None => Cow::Borrowed(&lod.positions),
+        };
+        let mut turning = Turning::of(deformation, rest, true);
         if correspond == Correspond::Plain {
-            return self.own(&plain::mesh(reference, &lod, tables), lod.error);
+            let plain = plain::mesh(mesh, &lod, tables);
+            let corners = lod.triangles.as_flattened().iter().map(|&v| v as usize);
+            let positions: Vec<[f32; 3]> = corners.clone().map(|v| positions[v]).collect();
+            turning.frames = turning.frames.map(|frames| frames.of(corners));
+            return self.own(&plain, &positions, &turning, lod.error);
         }
-        let base = self.attributes().push_mesh(reference)?;
+        let (base, number) = match self.fetched[number] {
+            Some(there) => there,
+            None => {
+                let base = self.picture.attributes.push_mesh(mesh)?;
+                *self.fetched[number].insert((base, self.picture.add_tables(Arc::clone(tables))))
+            }
+        };
         let line = tables.primary.line();
         let geometry = self.picture.add_geometry(
-            &lod.positions,
+            &positions,
             &lod.triangles,
             &lod.t3,
             &askers(line, &lod.t3, &lod.triangles, &lod.triangle_layer),
             lod.error,
         )?;
-        let tables = self.picture.add_tables(Arc::clone(tables));
-        Ok((geometry, base, Some(tables)))
+        let geometry = self.turned(geometry, &turning)?;
+        Ok((geometry, base, Some(number)))
     }
 
-    /// A mesh that is its own reference, or (`slack`) a level of detail with attributes of its own.
-    fn own(&mut self, mesh: &Mesh, slack: f32) -> Result<Ready> {
-        let base = self.attributes().push_mesh(mesh)?;
-        let geometry =
-            self.picture
-                .add_geometry(&mesh.positions, &mesh.triangles, &[], &[], slack)?;
-        Ok((geometry, base, None))
+    /// A mesh that is its own reference, or (`slack`) a level of detail with attributes of its own; it is drawn at
+    /// `positions`.
+    fn own(
+        &mut self,
+        mesh: &Mesh,
+        positions: &[[f32; 3]],
+        turning: &Turning,
+        slack: f32,
+    ) -> Result<Ready> {
+        let base = self.picture.attributes.push_mesh(mesh)?;
+        let geometry = self
+            .picture
+            .add_geometry(positions, &mesh.triangles, &[], &[], slack)?;
+        Ok((self.turned(geometry, turning)?, base, None))
     }
 
-    fn attributes(&mut self) -> &mut AttributeSet {
-        &mut self.picture.attributes
+    fn turned(&mut self, geometry: Geometry, turning: &Turning) -> Result<Geometry> {
+        let geometry = geometry.with_handed(turning.handed);
+        match &turning.frames {
+            Some(frames) => self.picture.with_frames(geometry, frames),
+            None => Ok(geometry),
+        }
     }
-}
-
-fn placed_lod(lod: &Lod, palette: Option<&[DMat4]>) -> Lod {
-    let mut out = lod.clone();
-    if let Some(palette) = palette {
-        out.positions = skin::positions(palette, &lod.positions, &lod.joints, &lod.weights);
-    }
-    out
 }
 
 /// The reference's own geometry as a LoD: its T3 is what the tables hold, bit for bit.
-fn level_zero(mesh: &Mesh, placed: &Mesh, tables: &Tables, layers: &[u8]) -> Lod {
+fn level_zero(mesh: &Mesh, tables: &Tables, layers: &[u8]) -> Lod {
     let primary = &tables.primary;
     let t3 = |v: usize| {
         let grid = primary.to_grid(primary.t3_of(mesh, v));
         tables.format.record.round(grid, layout::is_flat(primary))
     };
     Lod {
-        positions: placed.positions.clone(),
-        normals: placed.normals.clone(),
+        positions: mesh.positions.clone(),
+        normals: mesh.normals.clone(),
         t3: (0..mesh.positions.len()).map(t3).collect(),
         triangles: mesh.triangles.clone(),
         triangle_layer: layers.to_vec(),
+        joints: mesh.joints.clone(),
+        weights: mesh.weights.clone(),
+        targets: mesh.targets.clone(),
         ..Lod::default()
     }
 }

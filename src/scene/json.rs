@@ -47,6 +47,7 @@ pub(super) struct NodeJson {
     pub(super) translation: Option<[f64; 3]>,
     pub(super) rotation: Option<[f64; 4]>,
     pub(super) scale: Option<[f64; 3]>,
+    pub(super) weights: Vec<f64>,
     #[serde(rename = "extensions")]
     _extensions: BTreeMap<String, IgnoredAny>,
 }
@@ -55,6 +56,9 @@ pub(super) struct NodeJson {
 pub(super) struct MeshJson {
     pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
+    /// Of the morph targets.
+    #[serde(default)]
+    pub(super) weights: Vec<f64>,
     #[serde(default, rename = "extensions")]
     _extensions: BTreeMap<String, IgnoredAny>,
 }

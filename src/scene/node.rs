@@ -22,6 +22,8 @@ pub struct Node {
     pub mesh: Option<usize>,
     /// Index into the scene's skins.
     pub skin: Option<usize>,
+    /// At rest, one for each morph target of its mesh; empty: the mesh's own.
+    pub weights: Vec<f32>,
 }
 
 /// A node's transform as the file gives it (animations need the parts).
@@ -113,7 +115,24 @@ fn node(
         transform: transform(file, i, json, warnings)?,
         mesh: json.mesh,
         skin: json.skin,
+        weights: weights(file, &json.weights, || format!("nodes[{i}].weights"))?,
     })
+}
+
+/// Weights of morph targets, as floats of bounded size.
+pub(super) fn weights(
+    file: &str,
+    weights: &[f64],
+    element: impl Fn() -> String,
+) -> Result<Vec<f32>> {
+    match weights.iter().position(|w| w.abs() > MAX_TRANSFORM) {
+        Some(k) => Err(Error::input(
+            file,
+            element(),
+            format!("number {k} is beyond 1e15"),
+        )),
+        None => Ok(weights.iter().map(|&w| w as f32).collect()),
+    }
 }
 
 /// Largest number in a transform: far inside of what floats hold, so that products stay finite.
@@ -226,17 +245,21 @@ fn roots(file: &str, root: &Root, nodes: &[Node]) -> Result<Vec<usize>> {
     })
 }
 
-/// Object-to-world matrix of every node.
+/// Object-to-world matrix of every node, each of which `local` places under its parent.
 ///
 /// # Errors
 /// [`Error::Input`] where the product of a chain leaves the range of floats.
-pub(super) fn world_matrices(file: &str, nodes: &[Node]) -> Result<Vec<DMat4>> {
+pub(super) fn world_matrices(
+    file: &str,
+    nodes: &[Node],
+    local: impl Fn(usize) -> DMat4,
+) -> Result<Vec<DMat4>> {
     let mut world = vec![DMat4::IDENTITY; nodes.len()];
     for i in order(nodes) {
         let above = nodes[i]
             .parent
             .map_or(DMat4::IDENTITY, |parent| world[parent]);
-        world[i] = above * nodes[i].transform.matrix();
+        world[i] = above * local(i);
         if !world[i]
             .to_cols_array()
             .iter()

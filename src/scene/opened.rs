@@ -118,7 +118,7 @@ impl Opened {
             samplers: texture::samplers(&name, &root)?,
             skins: animation::skins(&reader, &root)?,
             animations: animation::animations(&reader, &root)?,
-            world: node::world_matrices(&name, &nodes)?,
+            world: node::world_matrices(&name, &nodes, |i| nodes[i].transform.matrix())?,
             name,
             meshes,
             materials,

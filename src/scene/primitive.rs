@@ -7,6 +7,7 @@
 use super::accessor::Reader;
 use super::json::{MeshJson, Primitive, Root, at};
 use super::material::Material;
+use super::morph;
 use super::vertex::{Vertices, read_vertices};
 use crate::mesh::{Mesh, smooth_normals};
 use crate::{Error, Result};
@@ -22,12 +23,15 @@ pub(super) struct Meshes<'a> {
     pub(super) default_material_used: bool,
 }
 
+/// Of the vertices of a primitive, and of each morph target.
+type Accessors<'a> = (&'a BTreeMap<String, usize>, &'a [BTreeMap<String, usize>]);
+
 /// Vertices of a mesh being put together, and where triangles point.
 #[derive(Default)]
 struct Parts<'a> {
     blocks: Vec<Vertices>,
     /// First vertex of the block of primitives with these accessors.
-    known: HashMap<&'a BTreeMap<String, usize>, (u32, usize)>,
+    known: HashMap<Accessors<'a>, (u32, usize)>,
     vertices: usize,
     triangles: Vec<[u32; 3]>,
     materials: Vec<u32>,
@@ -55,7 +59,16 @@ impl<'a> Meshes<'a> {
             )?;
         }
         let name = json.name.clone().unwrap_or_else(|| format!("mesh_{m}"));
-        self.assemble(name, parts, &format!("meshes[{m}]"))
+        let element = format!("meshes[{m}]");
+        let mut mesh = self.assemble(name, parts, &element)?;
+        mesh.target_weights = morph::rest_weights(
+            self.reader.file,
+            &element,
+            json,
+            mesh.targets.len(),
+            self.warnings,
+        )?;
+        Ok(mesh)
     }
 
     fn primitive(
@@ -86,11 +99,6 @@ impl<'a> Meshes<'a> {
                 .push(format!("{element} is made of points or lines: skipped"));
             return Ok(());
         }
-        if !primitive.targets.is_empty() {
-            self.warnings.push(format!(
-                "{element} has morph targets: only its base shape is used"
-            ));
-        }
         let (first, count) = self.vertices(parts, element, primitive)?;
         let indices = self.indices(element, primitive, count)?;
         let triangles = self.triangles(element, primitive.mode, &indices)?;
@@ -111,18 +119,20 @@ impl<'a> Meshes<'a> {
         element: &str,
         primitive: &'a Primitive,
     ) -> Result<(u32, usize)> {
-        if let Some(&known) = parts.known.get(&primitive.attributes) {
+        let accessors = (&primitive.attributes, primitive.targets.as_slice());
+        if let Some(&known) = parts.known.get(&accessors) {
             return Ok(known);
         }
-        let block = read_vertices(self.reader, element, &primitive.attributes, self.warnings)?;
+        let mut block = read_vertices(self.reader, element, accessors.0, self.warnings)?;
         let count = block.positions.len();
+        block.targets = morph::read_targets(self.reader, element, accessors.1, count)?;
         let found = (parts.vertices as u32, count);
         parts.vertices += count;
         if u32::try_from(parts.vertices).is_err() {
             return Err(self.fault(element, "more than 2^32 vertices in one mesh"));
         }
         parts.blocks.push(block);
-        parts.known.insert(&primitive.attributes, found);
+        parts.known.insert(accessors, found);
         Ok(found)
     }
 
@@ -210,6 +220,16 @@ impl<'a> Meshes<'a> {
             normals: fill(blocks, true, [0.0; 3], |b| b.normals.as_ref()),
             triangles: parts.triangles,
             triangle_material: parts.materials,
+            targets: morph::join(
+                self.reader,
+                element,
+                &blocks
+                    .iter()
+                    .map(|b| (b.targets.as_slice(), b.positions.len()))
+                    .collect::<Vec<_>>(),
+                self.warnings,
+            )?,
+            target_weights: vec![],
         };
         let lacks = |get: fn(&Vertices) -> bool| -> Vec<bool> {
             blocks
@@ -217,7 +237,9 @@ impl<'a> Meshes<'a> {
                 .flat_map(|b| std::iter::repeat_n(get(b), b.positions.len()))
                 .collect()
         };
-        add_normals(&mut mesh, &lacks(|b| b.normals.is_none()));
+        let made = lacks(|b| b.normals.is_none());
+        add_normals(&mut mesh, &made);
+        morph::add_normals(self.reader, element, &mut mesh, &made)?;
         if sets > 0 {
             let without = lacks(|b| b.tangents.is_none());
             self.reader

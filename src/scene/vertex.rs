@@ -4,6 +4,7 @@
 //! tangents, weights that are not negative and sum to one. What had to be repaired is told in a warning.
 
 use super::accessor::Reader;
+use crate::mesh::MorphTarget;
 use crate::{Error, Result};
 use std::collections::BTreeMap;
 
@@ -20,6 +21,7 @@ pub(super) struct Vertices {
     pub(super) colors: Option<Vec<[f32; 4]>>,
     pub(super) joints: Option<Vec<[u16; 4]>>,
     pub(super) weights: Option<Vec<[f32; 4]>>,
+    pub(super) targets: Vec<MorphTarget>,
 }
 
 /// What the attributes of one primitive are read with.

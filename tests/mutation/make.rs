@@ -86,7 +86,8 @@ fn picture(format: ImageFormat) -> Vec<u8> {
     out.into_inner()
 }
 
-/// A model with something of everything: texture, sampler, transform, skin, animation, sparse accessor, strips.
+/// A model with something of everything: texture, sampler, transform, skin, animation, morph targets,
+/// sparse accessors, strips.
 fn model(picture: &[u8], strip: bool) -> (String, Vec<u8>) {
     let mesh = invertex::mesh::shapes::uv_sphere(8, 5);
     let mut bin = Vec::new();
@@ -123,11 +124,21 @@ fn model(picture: &[u8], strip: bool) -> (String, Vec<u8>) {
     ]));
     let sparse_at = view(bytemuck::cast_slice(&[1u16, 7]));
     let sparse_to = view(bytemuck::cast_slice(&[[0.5f32, 0.5], [0.25, 0.75]]));
+    let shape = view(bytemuck::cast_slice(&mesh.normals));
+    let shares = view(bytemuck::cast_slice(&[0f32, 0.5, 1.0, 0.25, 0.5, 0.0]));
+    let bumped_at = view(bytemuck::cast_slice(&[2u16, 9]));
+    let bumped_to = view(bytemuck::cast_slice(&[
+        [0.0f32, 0.25, 0.0],
+        [0.5, 0.0, 0.0],
+    ]));
     let image = view(picture);
     let accessor = |view: usize, component: u32, count: usize, kind: &str| json!({ "bufferView": view, "componentType": component, "count": count, "type": kind });
     let mut sparse_uv = accessor(uv, 5126, n, "VEC2");
     sparse_uv["sparse"] = json!({ "count": 2,
         "indices": { "bufferView": sparse_at, "componentType": 5123 }, "values": { "bufferView": sparse_to } });
+    let mut bump = json!({ "componentType": 5126, "count": n, "type": "VEC3" });
+    bump["sparse"] = json!({ "count": 2,
+        "indices": { "bufferView": bumped_at, "componentType": 5123 }, "values": { "bufferView": bumped_to } });
     let mut normalized = accessor(color, 5123, n, "VEC4");
     normalized["normalized"] = true.into();
     let json = json!({
@@ -141,7 +152,8 @@ fn model(picture: &[u8], strip: bool) -> (String, Vec<u8>) {
         ],
         "meshes": [
             { "name": "skinned", "primitives": [{ "material": 0, "indices": 3, "attributes": { "POSITION": 0, "NORMAL": 1,
-                "TEXCOORD_0": 2, "JOINTS_0": 4, "WEIGHTS_0": 5, "COLOR_0": 6 } }] },
+                "TEXCOORD_0": 2, "JOINTS_0": 4, "WEIGHTS_0": 5, "COLOR_0": 6 },
+                "targets": [{ "POSITION": 10, "NORMAL": 1 }, { "POSITION": 11 }] }], "weights": [0.5, 0.25] },
             { "primitives": [{ "mode": if strip { 5 } else { 6 }, "attributes": { "POSITION": 0 }, "indices": 3 },
                 { "mode": 1, "attributes": { "POSITION": 0 } }] },
         ],
@@ -152,12 +164,15 @@ fn model(picture: &[u8], strip: bool) -> (String, Vec<u8>) {
         "samplers": [{ "magFilter": 9729, "minFilter": 9987, "wrapS": 33071 }],
         "images": [{ "bufferView": image, "mimeType": "image/png" }],
         "skins": [{ "joints": [1, 2], "inverseBindMatrices": 7 }],
-        "animations": [{ "channels": [{ "sampler": 0, "target": { "node": 1, "path": "translation" } }],
-            "samplers": [{ "input": 8, "output": 9, "interpolation": "LINEAR" }] }],
+        "animations": [{ "channels": [{ "sampler": 0, "target": { "node": 1, "path": "translation" } },
+                { "sampler": 1, "target": { "node": 0, "path": "weights" } }],
+            "samplers": [{ "input": 8, "output": 9, "interpolation": "LINEAR" },
+                { "input": 8, "output": 12, "interpolation": "STEP" }] }],
         "accessors": [accessor(position, 5126, n, "VEC3"), accessor(normal, 5126, n, "VEC3"), sparse_uv,
             accessor(index, 5123, indices.len(), "SCALAR"), accessor(joint, 5121, n, "VEC4"),
             accessor(weight, 5126, n, "VEC4"), normalized, accessor(bind, 5126, 2, "MAT4"),
-            accessor(times, 5126, 3, "SCALAR"), accessor(moves, 5126, 3, "VEC3")],
+            accessor(times, 5126, 3, "SCALAR"), accessor(moves, 5126, 3, "VEC3"), accessor(shape, 5126, n, "VEC3"), bump,
+            accessor(shares, 5126, 6, "SCALAR")],
         "bufferViews": views,
         "buffers": [{ "byteLength": bin.len() }],
     });

@@ -142,6 +142,7 @@ fn check_scene(scene: &Scene, random: &mut Random) {
                     .all(|(j, w)| w == 0.0 || usize::from(j) < joints)
         );
     }
+    check_poses(scene, random);
     if random.below(1024) == 0 {
         for mesh in scene
             .meshes
@@ -150,6 +151,21 @@ fn check_scene(scene: &Scene, random: &mut Random) {
         {
             if let Ok((primary, _)) = choose(mesh, &PrimaryRequest::Auto) {
                 parts(mesh, &primary);
+            }
+        }
+    }
+}
+
+/// Any moment of any animation is a pose or an error; what it moves stays finite.
+fn check_poses(scene: &Scene, random: &mut Random) {
+    for animation in 0..scene.animations.len() {
+        let time = scene.animations[animation].duration() * random.below(5) as f64 / 4.0;
+        let Ok(pose) = scene.pose(animation, time) else {
+            continue;
+        };
+        for instance in scene.instances_in(&pose) {
+            if let Ok(mesh) = scene.posed_mesh(&instance, &pose) {
+                mesh.validate().unwrap();
             }
         }
     }

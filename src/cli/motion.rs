@@ -1,0 +1,259 @@
+//! What moves from picture to picture: `--animation`, `--time`, `--frames`, `--fps`, `--turntable`.
+//!
+//! In: the options. Out: one [`Frame`] for each picture: a moment of the animation and a turn of the camera.
+
+use std::str::FromStr;
+
+use invertex::Result;
+use invertex::scene::{Pose, Scene};
+
+use super::bad_option;
+
+/// Most pictures of a sequence.
+const MOST: u32 = 100_000;
+/// Pictures a second where nothing says how many.
+const FPS: f64 = 30.0;
+
+/// Options of moving pictures.
+#[derive(clap::Args)]
+pub(super) struct Motion {
+    /// Pose the model by this animation: its name, or its index.
+    #[arg(long, value_name = "NAME", help_heading = "Motion")]
+    animation: Option<String>,
+    /// Seconds into the animation (default 0), or A..B for a sequence from A to B. After its last keyframe an animation
+    /// begins again.
+    #[arg(
+        long,
+        value_name = "T|A..B",
+        requires = "animation",
+        help_heading = "Motion",
+        allow_hyphen_values = true
+    )]
+    time: Option<Time>,
+    /// A sequence of N pictures, frame_0000.png and so on in the folder OUT: 1/F of a second apart from T on, or evenly
+    /// from A to B.
+    #[arg(long, value_name = "N", requires = "animation", conflicts_with = "camera", help_heading = "Motion",
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
+    frames: Option<u32>,
+    /// Pictures a second of a sequence. Default: 30.
+    #[arg(
+        long,
+        value_name = "F",
+        requires = "animation",
+        help_heading = "Motion",
+        allow_hyphen_values = true
+    )]
+    fps: Option<Rate>,
+    /// N pictures once round the model, from --view on, in the folder OUT; with --animation and --fps or A..B it moves
+    /// while it turns.
+    #[arg(long, value_name = "N", conflicts_with_all = ["camera", "frames"], help_heading = "Motion",
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
+    turntable: Option<u32>,
+}
+
+/// What `--time` says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Time {
+    /// One moment, or the first of a sequence.
+    From(f64),
+    /// A sequence.
+    Range(f64, f64),
+}
+
+impl FromStr for Time {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let seconds = |text: &str| {
+            let seconds = text.trim().parse::<f64>().ok();
+            seconds.filter(|t| t.is_finite() && *t >= 0.0)
+        };
+        let time = match text.split_once("..") {
+            None => seconds(text).map(Time::From),
+            Some((from, to)) => match (seconds(from), seconds(to)) {
+                (Some(from), Some(to)) if from <= to => Some(Time::Range(from, to)),
+                _ => None,
+            },
+        };
+        time.ok_or_else(|| {
+            format!("\"{text}\" is not a time in seconds (0 or later) nor a range such as 0.5..2")
+        })
+    }
+}
+
+/// Pictures a second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Rate(f64);
+
+impl FromStr for Rate {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let rate = text.parse::<f64>().ok();
+        rate.filter(|f| f.is_finite() && *f > 0.0)
+            .map(Rate)
+            .ok_or_else(|| format!("\"{text}\" is not a number of pictures a second"))
+    }
+}
+
+/// One picture of a sequence, or the only one.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Frame {
+    /// Degrees that the camera has gone round.
+    pub(super) turn: f64,
+    /// Seconds into the animation as they were asked for; none where nothing is animated.
+    pub(super) time: Option<f64>,
+}
+
+impl Motion {
+    /// Whether pictures are numbered, in a folder.
+    pub(super) fn is_sequence(&self) -> bool {
+        let range = matches!(self.time, Some(Time::Range(..)));
+        self.turntable.is_some() || self.frames.is_some() || range
+    }
+
+    /// The frames, in order.
+    ///
+    /// # Errors
+    /// [`invertex::Error::Option`] where the options contradict each other or mean nothing.
+    pub(super) fn frames(&self) -> Result<Vec<Frame>> {
+        if self.fps.is_some() && !self.is_sequence() {
+            let reason =
+                "means something for a sequence only: give --frames, --turntable or --time A..B";
+            return Err(bad_option("--fps", reason));
+        }
+        let count = self.turntable.or(self.frames);
+        let (from, step, count) = match (self.time.unwrap_or(Time::From(0.0)), self.fps) {
+            (Time::From(from), None) if self.turntable.is_some() => (from, 0.0, count),
+            (Time::From(from), fps) => (from, 1.0 / fps.map_or(FPS, |f| f.0), count),
+            (Time::Range(..), Some(_)) if count.is_some() => {
+                let reason = "the range and the number of pictures say it already";
+                return Err(bad_option("--fps", reason));
+            }
+            (Time::Range(from, to), fps) => match count {
+                Some(n) => (from, (to - from) / f64::from(n.max(2) - 1), count),
+                None => {
+                    let fps = fps.map_or(FPS, |f| f.0);
+                    (from, 1.0 / fps, Some(pictures((to - from) * fps)?))
+                }
+            },
+        };
+        let count = count.unwrap_or(1);
+        let turn = match self.turntable {
+            Some(n) => 360.0 / f64::from(n),
+            None => 0.0,
+        };
+        let frame = |k: f64| Frame {
+            turn: k * turn,
+            time: self.animation.as_ref().map(|_| from + k * step),
+        };
+        Ok((0..count).map(|k| frame(f64::from(k))).collect())
+    }
+
+    /// The animation that is asked for, as an index.
+    ///
+    /// # Errors
+    /// [`invertex::Error::Input`] listing the animations there are.
+    pub(super) fn animation(&self, scene: &Scene) -> Result<Option<usize>> {
+        let wanted = self.animation.as_deref();
+        wanted.map(|name| scene.animation_named(name)).transpose()
+    }
+}
+
+/// Pictures of a range that is `steps` pictures long, both ends included where they fall on one.
+fn pictures(steps: f64) -> Result<u32> {
+    // Three tenths of a second at ten a second are 2.9999999999999996 steps.
+    let count = (steps + 1e-9).floor() + 1.0;
+    if count > f64::from(MOST) {
+        let reason = format!("{count} pictures; up to {MOST} are drawn");
+        return Err(bad_option("--time", reason));
+    }
+    Ok(count as u32)
+}
+
+/// The moment that is shown at `time` of animation `animation`: the same time, or what is left of it after whole rounds.
+pub(super) fn shown(scene: &Scene, animation: Option<usize>, time: Option<f64>) -> Option<f64> {
+    Some(scene.animations[animation?].looped(time?))
+}
+
+/// The scene at a moment that [`shown`] gave.
+pub(super) fn pose(scene: &Scene, animation: Option<usize>, time: Option<f64>) -> Result<Pose> {
+    match (animation, time) {
+        (Some(animation), Some(time)) => scene.pose(animation, time),
+        _ => Ok(scene.rest()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn motion(time: Option<&str>, frames: Option<u32>, fps: Option<f64>) -> Motion {
+        Motion {
+            animation: Some("walk".into()),
+            time: time.map(|t| t.parse().unwrap()),
+            frames,
+            fps: fps.map(Rate),
+            turntable: None,
+        }
+    }
+
+    fn times(motion: &Motion) -> Vec<f64> {
+        let frames = motion.frames().unwrap();
+        frames.iter().filter_map(|f| f.time).collect()
+    }
+
+    #[test]
+    fn times_are_read() {
+        assert_eq!("0.5".parse(), Ok(Time::From(0.5)));
+        assert_eq!("0..1.5".parse(), Ok(Time::Range(0.0, 1.5)));
+        for bad in [
+            "", "nan", "-1", "inf", "x", "1..", "..1", "2..1", "0..nan", "0...1.5x",
+        ] {
+            assert!(bad.parse::<Time>().is_err(), "{bad}");
+        }
+        for bad in ["", "0", "-2", "nan", "inf"] {
+            assert!(bad.parse::<Rate>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn sequences_have_the_moments_they_say() {
+        assert_eq!(times(&motion(None, None, None)), [0.0]);
+        assert_eq!(times(&motion(Some("2.5"), None, None)), [2.5]);
+        assert_eq!(
+            times(&motion(Some("1"), Some(3), Some(4.0))),
+            [1.0, 1.25, 1.5]
+        );
+        assert_eq!(times(&motion(Some("1..2"), Some(3), None)), [1.0, 1.5, 2.0]);
+        assert_eq!(times(&motion(Some("1..2"), Some(1), None)), [1.0]);
+        assert_eq!(times(&motion(Some("0..0.3"), None, Some(10.0))).len(), 4);
+        assert_eq!(times(&motion(Some("0..1"), None, None)).len(), 31);
+        let contradicting = motion(Some("0..1"), Some(3), Some(5.0));
+        assert_eq!(contradicting.frames().unwrap_err().exit_code(), 2);
+        assert!(motion(None, None, Some(5.0)).frames().is_err());
+        assert!(motion(Some("0..1e9"), None, None).frames().is_err());
+    }
+
+    #[test]
+    fn a_turntable_goes_once_round_and_moves_if_told() {
+        let still = Motion {
+            turntable: Some(4),
+            ..motion(Some("0.5"), None, None)
+        };
+        let frames = still.frames().unwrap();
+        let turns: Vec<f64> = frames.iter().map(|f| f.turn).collect();
+        assert_eq!(turns, [0.0, 90.0, 180.0, 270.0]);
+        assert_eq!(times(&still), [0.5; 4]);
+        let moving = Motion {
+            turntable: Some(2),
+            ..motion(None, None, Some(2.0))
+        };
+        assert_eq!(times(&moving), [0.0, 0.5]);
+        let lifeless = Motion {
+            animation: None,
+            ..still
+        };
+        assert!(lifeless.frames().unwrap().iter().all(|f| f.time.is_none()));
+    }
+}
