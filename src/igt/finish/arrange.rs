@@ -207,7 +207,11 @@ impl<'a> Arranger<'a> {
     }
 
     fn list(&self, texel: Texel, own: &[Weighed], more: &[u32]) -> Arranged {
-        let near = self.nearest_of_layers(&texel.corners(self.line), more, &[]);
+        let near = if more.is_empty() {
+            Vec::new()
+        } else {
+            self.nearest_of_layers(&texel.corners(self.line), more, &[])
+        };
         let single = self.is_single(own);
         let mut layers = own.iter().map(|w| w.triangle).chain(more.iter().copied());
         let first = layers.next().map(|t| self.layer(t));

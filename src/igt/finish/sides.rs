@@ -31,10 +31,11 @@ pub(super) struct Piece {
 impl Piece {
     /// `vertices`: numbers that tell corners of neighbours as the same.
     pub(super) fn new(line: Line, vertices: [u32; 3], at: GridTriangle) -> Self {
-        let p = at.map(|v| v.map(f64::from));
-        let edges = [0, 1, 2].map(|i| {
-            let (a, b) = (p[(i + 1) % 3], p[(i + 2) % 3]);
-            match line {
+        let p = at.map(|v| [f64::from(v[0]), f64::from(v[1]), f64::from(v[2])]);
+        let mut edges = [[0.0; 3]; 3];
+        for (i, edge) in edges.iter_mut().enumerate() {
+            let (a, b) = (p[NEXT[i]], p[NEXT[i + 1]]);
+            *edge = match line {
                 Line::Parallel => [a[1] - b[1], b[0] - a[0], a[0] * b[1] - a[1] * b[0]],
                 Line::Cylinder => [0.0; 3],
                 Line::Sphere => [
@@ -42,8 +43,8 @@ impl Piece {
                     a[2] * b[0] - a[0] * b[2],
                     a[0] * b[1] - a[1] * b[0],
                 ],
-            }
-        });
+            };
+        }
         let mut piece = Piece {
             line,
             vertices,

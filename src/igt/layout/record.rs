@@ -13,6 +13,7 @@
 
 use crate::param::grid::VERTEX_BITS;
 use crate::param::projection::GridTriangle;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
@@ -106,30 +107,32 @@ impl Record {
     pub fn table(
         self,
         count: usize,
-        corners: impl Fn(usize) -> GridTriangle,
+        corners: impl Fn(usize) -> GridTriangle + Sync,
         flat: bool,
     ) -> Vec<u32> {
         let words = self.words();
         let mut table = vec![0; count * words];
-        let mut wide = Vec::new();
-        for (t, out) in table.chunks_exact_mut(words).enumerate() {
+        let each = |(t, out): (usize, &mut [u32])| {
             let triangle = corners(t);
             match self {
                 Record::Chart => out.copy_from_slice(&chart(&triangle)),
                 Record::Wide => out.copy_from_slice(&wide_record(&triangle)),
-                Record::Rgb9e5 => {
-                    out.copy_from_slice(&triangle.map(|v| encode_rgb9e5(v, flat)));
-                }
+                Record::Rgb9e5 => out.copy_from_slice(&triangle.map(|v| encode_rgb9e5(v, flat))),
                 Record::Compact(precision) => {
-                    let record = compact(&triangle, precision).unwrap_or_else(|| {
-                        wide.push(wide_record(&triangle));
-                        [(count + 2 * (wide.len() - 1)) as u32, 0, 0, IS_WIDE]
-                    });
+                    let record = compact(&triangle, precision).unwrap_or([0, 0, 0, IS_WIDE]);
                     out.copy_from_slice(&record);
                 }
             }
+        };
+        table.par_chunks_exact_mut(words).enumerate().for_each(each);
+        if let Record::Compact(_) = self {
+            for t in 0..count {
+                if table[words * t + 3] == IS_WIDE {
+                    table[words * t] = (table.len() / words) as u32;
+                    table.extend(wide_record(&corners(t)));
+                }
+            }
         }
-        table.extend(wide.iter().flatten());
         // Shaders read 128-bit words.
         table.resize(table.len().next_multiple_of(4), 0);
         table
