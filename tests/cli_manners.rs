@@ -12,6 +12,7 @@ fn every_help_ends_with_examples() {
         "build",
         "query",
         "render",
+        "profile",
         "compare",
         "demo",
         "completions",

@@ -17,7 +17,7 @@ const ONLY: [(&str, &[&str]); 2] = [("gpu", &["error"]), ("mesh", &["error"])];
 const RE_EXPORTS: [(&str, &str); 2] = [("Error", "error"), ("Result", "error")];
 
 /// Outside crates that only the rooms named may name.
-const FENCED: [(&str, &[&str]); 9] = [
+const FENCED: [(&str, &[&str]); 10] = [
     ("gltf", &["scene", "asset"]),
     ("gltf_json", &["scene", "asset"]),
     ("ash", &["gpu"]),
@@ -25,6 +25,7 @@ const FENCED: [(&str, &[&str]); 9] = [
     ("meshopt", &["lod"]),
     ("nv_flip", &["measure"]),
     ("exr", &["output", "measure"]),
+    ("font8x8", &["output"]),
     ("clap", &["cli", "main"]),
     ("indicatif", &["cli", "main"]),
 ];

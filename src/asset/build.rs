@@ -138,9 +138,21 @@ fn tables(
         hash,
         layout: settings.layout,
     };
-    let reference = Reference::new(mesh, &p.primary, &p.parts.triangle_layer, settings.layout)?;
-    let asking: Vec<Asking> = p
-        .lods
+    let layer = &p.parts.triangle_layer;
+    tables_of(mesh, &p.primary, layer, &p.lods, options, processor)
+}
+
+/// The tables of a mesh for the LoDs that will be drawn with them.
+pub(super) fn tables_of(
+    mesh: &Mesh,
+    primary: &Primary,
+    layer: &[u8],
+    lods: &[Lod],
+    options: BuildOptions,
+    processor: Processor<'_>,
+) -> Result<Tables> {
+    let reference = Reference::new(mesh, primary, layer, options.layout)?;
+    let asking: Vec<Asking> = lods
         .iter()
         .map(|lod| Asking {
             t3: &lod.t3,

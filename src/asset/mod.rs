@@ -20,6 +20,7 @@ mod extension;
 mod morph;
 mod motion;
 mod original;
+mod rebuild;
 mod report;
 mod settings;
 

@@ -3,6 +3,8 @@
 //! In: glTF's metallic-roughness numbers and texture slots. Out: one record of [`MATERIAL_WORDS`] for each material,
 //! read by [`super::surface`] and by `glsl/common/surface.glsl`.
 
+use super::surface::AttributeSet;
+
 /// Words of one material record.
 pub(crate) const MATERIAL_WORDS: usize = 64;
 /// Where the texture slots begin, and the words of each.
@@ -141,5 +143,14 @@ impl Material {
             }
         }
         words
+    }
+}
+
+impl AttributeSet {
+    /// How many textures the material of triangle `triangle` reads.
+    pub(crate) fn textures_of(&self, triangle: usize) -> u32 {
+        let material = self.triangles[triangle][0][3] as usize * MATERIAL_WORDS;
+        let slot = |k: usize| self.materials[material + SLOTS_AT + k * SLOT_WORDS];
+        (0..5).filter(|&k| slot(k) != NO_TEXTURE).count() as u32
     }
 }

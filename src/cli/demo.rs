@@ -308,7 +308,7 @@ impl Studio<'_> {
 }
 
 fn levels(built: &Built) -> usize {
-    super::lod_choice::levels(built) - 1
+    invertex::render::levels(built) - 1
 }
 
 fn shown(renderer: &Renderer, image: &Rendered, original: Option<&Picture>) -> Result<Shown> {

@@ -2,18 +2,16 @@
 //!
 //! In: a model, a mode, a level. Out: a [`Renderer`] that holds the staged picture, and images as files' bytes.
 
-use std::sync::Arc;
-
-use invertex::asset::{Built, Model};
+use invertex::asset::Model;
 use invertex::output::{Aov, encode_exr, encode_png};
 use invertex::render::{
-    Correspond, Options, Output, Picture, Rendered, Renderer, Subject, stage_posed,
+    Correspond, Options, Output, Picture, Rendered, Renderer, Subject, keep_only, stage_posed,
+    subjects,
 };
 use invertex::scene::{Material, Pose, Scene};
 use invertex::{Error, Result};
 
 use super::device::Device;
-use super::lod_choice::in_chain;
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -194,19 +192,6 @@ fn posed_sphere(scene: &Scene, pose: &Pose) -> Result<([f64; 3], f64)> {
     Ok(picture.bounding_sphere())
 }
 
-/// What each mesh is drawn with at `level`.
-fn subjects(built: &Built, level: usize) -> Vec<Subject<'_>> {
-    let subject = |mesh: usize| match built.of_mesh(mesh) {
-        None => Subject::default(),
-        Some(b) => Subject {
-            tables: Some(Arc::new(b.tables.clone())),
-            lod: in_chain(b.lods.len(), level).map(|k| &b.lods[k]),
-            layers: &b.triangle_layer,
-        },
-    };
-    (0..built.scene.meshes.len()).map(subject).collect()
-}
-
 /// The format of an image file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
@@ -320,28 +305,7 @@ pub(super) fn only(model: &mut Model, name: &str) -> Result<()> {
         scene.meshes.iter().map(|m| m.name.as_str()),
         name,
     )?;
-    if !scene
-        .instances()
-        .iter()
-        .any(|instance| instance.mesh == keep)
-    {
-        let reason = "stands nowhere in the file's default scene, or has no triangles".to_owned();
-        return Err(Error::input(
-            &scene.name,
-            format!("mesh \"{name}\""),
-            reason,
-        ));
-    }
-    for (k, mesh) in scene
-        .meshes
-        .iter_mut()
-        .enumerate()
-        .filter(|(k, _)| *k != keep)
-    {
-        tracing::trace!("mesh {k} is left out");
-        mesh.triangles.clear();
-        mesh.triangle_material.clear();
-    }
+    keep_only(scene, keep)?;
     if let Model::Built(built) = model {
         built.meshes.retain(|mesh| mesh.mesh == keep);
     }

@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use invertex::Result;
 use invertex::asset::Built;
-use invertex::render::Camera;
+use invertex::render::{Camera, in_chain, levels, triangles};
 
 use super::bad_option;
 
@@ -71,35 +71,6 @@ impl LodChoice {
             }
         }
     }
-}
-
-/// Levels of the model, the reference included. A mesh with fewer shows its coarsest.
-pub(super) fn levels(built: &Built) -> usize {
-    1 + built
-        .meshes
-        .iter()
-        .map(|mesh| mesh.lods.len())
-        .max()
-        .unwrap_or(0)
-}
-
-/// The place in a mesh's chain that stands for `level`; `None` for the reference.
-pub(super) fn in_chain(chain: usize, level: usize) -> Option<usize> {
-    level.min(chain).checked_sub(1)
-}
-
-/// Triangles of all meshes of the model at `level`, each counted once.
-fn triangles(built: &Built, level: usize) -> usize {
-    let of_mesh = |mesh: usize| {
-        let reference = built.scene.meshes[mesh].triangles.len();
-        built
-            .of_mesh(mesh)
-            .map_or(reference, |b| match in_chain(b.lods.len(), level) {
-                Some(k) => b.lods[k].triangles.len(),
-                None => reference,
-            })
-    };
-    (0..built.scene.meshes.len()).map(of_mesh).sum()
 }
 
 /// Largest deviation of any instance at `level`, in world units.
@@ -201,14 +172,5 @@ mod tests {
             "{near} {middle}"
         );
         assert_eq!(pixels_per_unit(&camera, ([0.0; 3], 1e6)), f64::INFINITY);
-    }
-
-    #[test]
-    fn chains_end_with_their_coarsest() {
-        assert_eq!(
-            [0, 1, 2, 9].map(|level| in_chain(2, level)),
-            [None, Some(0), Some(1), Some(1)]
-        );
-        assert_eq!(in_chain(0, 3), None);
     }
 }

@@ -16,6 +16,9 @@ mod manual;
 mod motion;
 mod points;
 mod print;
+mod profile;
+mod profile_report;
+mod profile_table;
 mod progress;
 mod query;
 mod render;
@@ -74,6 +77,8 @@ enum Verb {
     Query(query::Query),
     /// Draw a model, or a LoD of it that looks like the original.
     Render(render::Render),
+    /// Say where fetches and time go: counts, times, memory, sweeps, heat maps.
+    Profile(profile::Profile),
     /// Compare two pictures, or two folders of pictures by name.
     Compare(compare::Compare),
     /// Do all of it on the bundled model, ending with an HTML report.
@@ -89,6 +94,7 @@ Examples:
   invertex doctor                                              devices, and what is missing
   invertex build model.glb -o built.glb                        LoDs and inverse texture, all in one GLB
   invertex render built.glb -o lod2.png --mode igt --lod 2     a picture of a LoD that looks like the reference
+  invertex profile built.glb                                   where fetches and time go
   invertex demo report/                                        everything on the bundled model, as an HTML report
 
 `invertex VERB --help` ends with examples of each verb.";
@@ -133,6 +139,7 @@ fn run(command: &Command) -> Result<()> {
         Verb::Build(verb) => verb.run(common),
         Verb::Query(verb) => verb.run(common),
         Verb::Render(verb) => verb.run(common),
+        Verb::Profile(verb) => verb.run(common),
         Verb::Compare(verb) => verb.run(common),
         Verb::Demo(verb) => verb.run(common),
         Verb::Completions(verb) => verb.run(),

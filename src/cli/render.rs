@@ -96,7 +96,7 @@ pub(super) struct Render {
 }
 
 #[derive(Clone, Copy)]
-struct Size(u32, u32);
+pub(super) struct Size(pub(super) u32, pub(super) u32);
 
 impl std::str::FromStr for Size {
     type Err = String;

@@ -1,14 +1,26 @@
 //! Numbers about results: how two pictures differ, how long something took.
 //!
-//! In: finished pictures or samples of time. Out: plain serialisable figures. Nothing here draws or builds.
+//! In: finished pictures, samples of time, or (the profile) a built model. Out: plain serialisable figures.
 
 mod compare;
+mod fetches;
 mod flip;
 mod folder;
+mod lookups;
+mod memory;
 mod picture;
+mod plan;
+mod profile;
+mod table_figures;
 mod timing;
+mod trace;
 
 pub use compare::{Comparison, Region, compare, difference_image};
+pub use fetches::{FetchCounts, fetches_of_uv};
 pub use folder::{FolderComparison, PairComparison, compare_folders};
+pub use memory::{MemoryRow, memory};
 pub use picture::Picture;
-pub use timing::TimeStatistics;
+pub use plan::{Drawing, Ranges, Sweep, Variant, plan};
+pub use profile::{Bench, ProfileSettings, Run, Sitter, WHOLE};
+pub use timing::{PassStatistics, TimeStatistics, pass_statistics};
+pub use trace::chrome_trace;

@@ -41,6 +41,42 @@ impl TimeStatistics {
     }
 }
 
+/// What the timings of one pass say.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PassStatistics {
+    /// Its name.
+    pub name: String,
+    /// Half of the frames took at most this, nanoseconds.
+    pub median_ns: u64,
+    /// 95 % of the frames, nanoseconds.
+    pub p95_ns: u64,
+    /// 99 % of the frames, nanoseconds.
+    pub p99_ns: u64,
+}
+
+/// Statistics of every pass, in the order in which names first come; each frame is its passes' names and nanoseconds.
+pub fn pass_statistics<'a>(
+    frames: impl Iterator<Item = &'a [(String, u64)]>,
+) -> Vec<PassStatistics> {
+    let mut of: Vec<(&str, Vec<u64>)> = Vec::new();
+    for (name, nanoseconds) in frames.flatten() {
+        match of.iter_mut().find(|(known, _)| known == name) {
+            Some((_, times)) => times.push(*nanoseconds),
+            None => of.push((name, vec![*nanoseconds])),
+        }
+    }
+    let statistics = |(name, times): (&str, Vec<u64>)| {
+        let s = TimeStatistics::of(&times)?;
+        Some(PassStatistics {
+            name: name.to_owned(),
+            median_ns: s.median_ns,
+            p95_ns: s.p95_ns,
+            p99_ns: s.p99_ns,
+        })
+    };
+    of.into_iter().filter_map(statistics).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -62,5 +98,15 @@ mod tests {
         let one = TimeStatistics::of(&[7]).unwrap();
         assert_eq!((one.min_ns, one.median_ns, one.p99_ns), (7, 7, 7));
         assert_eq!(TimeStatistics::of(&[9, 1, 5]).unwrap().median_ns, 5);
+    }
+
+    #[test]
+    fn passes_keep_their_order_and_their_own_times() {
+        let frame = |a, b| vec![("first".to_owned(), a), ("second".to_owned(), b)];
+        let frames = [frame(1, 10), frame(3, 30), frame(2, 20)];
+        let passes = pass_statistics(frames.iter().map(Vec::as_slice));
+        let medians: Vec<_> = passes.iter().map(|p| (&*p.name, p.median_ns)).collect();
+        assert_eq!(medians, [("first", 2), ("second", 20)]);
+        assert_eq!(pass_statistics(std::iter::empty()), []);
     }
 }

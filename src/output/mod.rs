@@ -5,9 +5,11 @@
 
 mod exr;
 mod file;
+mod heat_map;
 mod png;
 pub mod report;
 
 pub use exr::{Aov, encode_exr};
 pub use file::{check_target, make_folder, write_bytes};
+pub use heat_map::heat_map;
 pub use png::encode_png;

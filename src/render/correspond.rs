@@ -12,7 +12,7 @@ use super::picture::Picture;
 use super::shade::Drawn;
 use crate::attribute::arithmetic::{V3, add3, cross3, dot3, scale3, sub3};
 use crate::attribute::surface::SurfacePoint;
-use crate::igt::Asker;
+use crate::igt::{Asker, Tables};
 use crate::param::grid::{QUERY_MAX, QUERY_SHIFT};
 use crate::param::projection::{GridTriangle, Line};
 
@@ -59,7 +59,18 @@ fn identity(draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
 fn inverse(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
     let tables = &picture.tables[draw.igt[0] as usize];
     let t3 = drawn.vertex.map(|v| picture.t3[v as usize]);
-    let query = query_point(&t3, drawn.b).map(|q| q.clamp(-QUERY_MAX, QUERY_MAX));
+    inverse_at(tables, draw.attribute_base, &t3, drawn)
+}
+
+/// Through the inverse geometric texture, for a triangle whose corners are `t3` on the vertex grid: the reference point,
+/// its triangle counted from `attribute_base`.
+pub(super) fn inverse_at(
+    tables: &Tables,
+    attribute_base: u32,
+    t3: &[[i32; 4]; 3],
+    drawn: &Drawn,
+) -> Correspondence {
+    let query = query_point(t3, drawn.b).map(|q| q.clamp(-QUERY_MAX, QUERY_MAX));
     let asker = Asker::from_word(drawn.asker);
     let (found, cost) = tables.lookup_with_cost(query, asker, true);
     let Some(found) = found else {
@@ -71,14 +82,10 @@ fn inverse(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondenc
     let corners = tables.corners(found.triangle);
     let line = tables.primary.line();
     let here = projected(line, query, &corners);
-    let moved = |b: Option<[f32; 3]>| {
-        Some(sub3(
-            projected(line, query_point(&t3, b?), &corners)?,
-            here?,
-        ))
-    };
+    let moved =
+        |b: Option<[f32; 3]>| Some(sub3(projected(line, query_point(t3, b?), &corners)?, here?));
     let point = SurfacePoint {
-        triangle: draw.attribute_base + found.triangle,
+        triangle: attribute_base + found.triangle,
         b: found.barycentric,
         dx: moved(drawn.bx),
         dy: moved(drawn.by),

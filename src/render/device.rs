@@ -233,6 +233,30 @@ impl Device {
 
     /// Draws, waits, and brings the pixels back.
     pub(crate) fn draw(&self, view: &ViewConstants) -> Result<(Vec<Pixel>, Timings)> {
+        self.with_target(view, |target| {
+            let timings = self.run(view, target)?;
+            Ok((self.read(target)?, timings))
+        })
+    }
+
+    /// Draws images, one after the other, and brings none back; each one's times go to `more`, until it says no.
+    pub(crate) fn repeat(
+        &self,
+        view: &ViewConstants,
+        mut more: impl FnMut(Timings) -> bool,
+    ) -> Result<()> {
+        self.with_target(view, |target| {
+            while more(self.run(view, target)?) {}
+            Ok(())
+        })
+    }
+
+    /// Calls `work` with a target of the view's size: the last one where it fits.
+    fn with_target<T>(
+        &self,
+        view: &ViewConstants,
+        work: impl FnOnce(&Target) -> Result<T>,
+    ) -> Result<T> {
         let mut kept = self
             .target
             .lock()
@@ -241,12 +265,15 @@ impl Device {
             Some(target) if target.size == [view.width, view.height] => target,
             _ => self.target(view.width, view.height)?,
         };
-        let mut recorder = self.context.recorder("picture")?;
-        self.record(&mut recorder, view, &target);
-        let timings = self.context.run(recorder)?;
-        let pixels = self.read(&target)?;
+        let done = work(&target)?;
         *kept = Some(target);
-        Ok((pixels, timings))
+        Ok(done)
+    }
+
+    fn run(&self, view: &ViewConstants, target: &Target) -> Result<Timings> {
+        let mut recorder = self.context.recorder("picture")?;
+        self.record(&mut recorder, view, target);
+        self.context.run(recorder)
     }
 
     fn read(&self, target: &Target) -> Result<Vec<Pixel>> {

@@ -41,6 +41,14 @@ pub(crate) struct Forward {
     triangle_count: u32,
 }
 
+/// Images of one size that a picture is drawn into.
+struct Target {
+    colour: Image,
+    ids: Image,
+    fetches: Image,
+    depth: Image,
+}
+
 impl Forward {
     pub(crate) fn new(context: &Context, picture: &Picture, a: &Arrays) -> Result<Self> {
         let set = &picture.attributes.textures;
@@ -97,33 +105,57 @@ impl Forward {
         })
     }
 
-    /// Draws, waits, and brings the pixels back. Colours are linear (or coded, for normals); the caller encodes them.
-    pub(crate) fn draw(&self, view: &ViewConstants) -> Result<(Vec<Pixel>, Timings)> {
-        let (context, w, h) = (&self.context, view.width, view.height);
-        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
-        let colour = context.target("colour", w, h, FORMATS[0], usage)?;
-        let ids = context.target("ids", w, h, FORMATS[1], usage)?;
-        let fetches = context.target("fetches", w, h, FORMATS[2], usage)?;
-        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
-        let depth = context.target("depth", w, h, vk::Format::D32_SFLOAT, usage)?;
-        let mut recorder = context.recorder("forward picture")?;
+    /// What an image of this size is drawn into.
+    fn target(&self, width: u32, height: u32) -> Result<Target> {
+        let (context, usage) = (&self.context, vk::ImageUsageFlags::COLOR_ATTACHMENT);
+        let colour = |name, k: usize| context.target(name, width, height, FORMATS[k], usage);
+        let depth_usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        Ok(Target {
+            colour: colour("colour", 0)?,
+            ids: colour("ids", 1)?,
+            fetches: colour("fetches", 2)?,
+            depth: context.target("depth", width, height, vk::Format::D32_SFLOAT, depth_usage)?,
+        })
+    }
+
+    /// Draws into `target` and waits; the time each pass took.
+    fn run(&self, view: &ViewConstants, target: &Target) -> Result<Timings> {
+        let mut recorder = self.context.recorder("forward picture")?;
         recorder.draw(&GraphicsPass {
             pipeline: &self.bound,
             push: self.push(view),
             color: &[
-                (&colour, Clear::Float([0.0; 4])),
-                (&ids, Clear::Uint([NOTHING, NOTHING, 0, 0])),
-                (&fetches, Clear::Uint([0; 4])),
+                (&target.colour, Clear::Float([0.0; 4])),
+                (&target.ids, Clear::Uint([NOTHING, NOTHING, 0, 0])),
+                (&target.fetches, Clear::Uint([0; 4])),
             ],
-            depth: Some((&depth, Clear::Depth(1.0))),
+            depth: Some((&target.depth, Clear::Depth(1.0))),
             vertices: self.triangle_count * 3,
             instances: 1,
         });
-        let timings = context.run(recorder)?;
-        let colour = context.download_image::<[f32; 4]>(&colour)?;
-        let ids = context.download_image::<[u32; 4]>(&ids)?;
-        let fetches = context.download_image::<u32>(&fetches)?;
-        let depth = context.download_image::<f32>(&depth)?;
+        self.context.run(recorder)
+    }
+
+    /// Draws images, one after the other, and brings none back; each one's times go to `more`, until it says no.
+    pub(crate) fn repeat(
+        &self,
+        view: &ViewConstants,
+        mut more: impl FnMut(Timings) -> bool,
+    ) -> Result<()> {
+        let target = self.target(view.width, view.height)?;
+        while more(self.run(view, &target)?) {}
+        Ok(())
+    }
+
+    /// Draws, waits, and brings the pixels back. Colours are linear (or coded, for normals); the caller encodes them.
+    pub(crate) fn draw(&self, view: &ViewConstants) -> Result<(Vec<Pixel>, Timings)> {
+        let context = &self.context;
+        let target = self.target(view.width, view.height)?;
+        let timings = self.run(view, &target)?;
+        let colour = context.download_image::<[f32; 4]>(&target.colour)?;
+        let ids = context.download_image::<[u32; 4]>(&target.ids)?;
+        let fetches = context.download_image::<u32>(&target.fetches)?;
+        let depth = context.download_image::<f32>(&target.depth)?;
         let pixel = |(((linear, id), fetches), depth): ((([f32; 4], [u32; 4]), u32), f32)| {
             let [triangle, draw, b1, b2] = id;
             let barycentric = [f32::from_bits(b1), f32::from_bits(b2)];

@@ -9,6 +9,8 @@
 //! shade    id -> correspondence -> attributes -> colour     shade.rs  glsl/render/shade.comp
 //! ```
 
+mod atlas;
+mod baked;
 mod camera;
 mod camera_file;
 mod constants;
@@ -21,6 +23,7 @@ mod draw;
 #[cfg(feature = "gpu")]
 mod forward;
 mod frame;
+mod levels;
 mod light;
 mod picture;
 mod plain;
@@ -30,11 +33,16 @@ mod renderer;
 mod resolve;
 mod shade;
 mod stage;
+mod timed;
 
+pub use baked::stage_baked;
 pub use camera::{Camera, MAX_SIDE, Projection};
 pub use camera_file::{View, parse_views};
 pub use constants::legend;
 pub use draw::Light;
+pub use levels::{in_chain, keep_only, level_near, levels, reference_sphere, subjects, triangles};
 pub use picture::{Geometry, Picture};
 pub use renderer::{Options, Output, Rendered, Renderer};
-pub use stage::{Correspond, Subject, stage, stage_posed};
+pub use stage::{Correspond, Subject, stage, stage_posed, stage_with};
+pub(crate) use timed::Taking;
+pub use timed::{Clock, FrameBudget, FrameTime, TimedFrames};

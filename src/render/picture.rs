@@ -8,7 +8,7 @@ use super::correspond::{IDENTITY, INVERSE};
 use super::deform::Frames;
 use super::draw::DrawRecord;
 use crate::attribute::AttributeSet;
-use crate::igt::{Asker, Tables};
+use crate::igt::{Asker, Layout, Tables};
 use crate::{Error, Result};
 use glam::{DMat3, DMat4};
 use std::sync::Arc;
@@ -197,6 +197,31 @@ impl Picture {
     /// Triangles drawn, all instances counted.
     pub fn triangle_count(&self) -> u32 {
         self.triangles
+    }
+
+    /// The layout of the tables that draw `draw` looks up in; none for one whose triangles are the reference's own.
+    pub fn layout_of(&self, draw: u32) -> Option<Layout> {
+        let record = self.draws.get(draw as usize)?;
+        let tables = self.tables.get(record.igt[0] as usize)?;
+        (record.correspondence == INVERSE).then_some(tables.layout)
+    }
+
+    /// How many textures shading reads at triangle `triangle` of the reference of draw `draw`, as
+    /// [`Rendered`](super::Rendered) names them.
+    pub fn textures_at(&self, draw: u32, triangle: u32) -> u32 {
+        let base = self.draws[draw as usize].attribute_base;
+        self.attributes.textures_of((base + triangle) as usize)
+    }
+
+    /// Loads that the artist's uv takes at triangle `triangle` of the reference of draw `draw`.
+    pub fn uv_fetches_at(&self, draw: u32, triangle: u32) -> u32 {
+        let base = self.draws[draw as usize].attribute_base;
+        self.attributes.uv_fetches(base + triangle)
+    }
+
+    /// Bytes of all textures with their mip levels.
+    pub fn texture_bytes(&self) -> u64 {
+        self.attributes.textures.texels.len() as u64 * 4
     }
 
     /// Vertices projected, all instances counted.

@@ -93,12 +93,12 @@ pub struct Rendered {
 
 /// A picture made ready for drawing.
 pub struct Renderer {
-    picture: Picture,
-    on: Processor,
+    pub(super) picture: Picture,
+    pub(super) on: Processor,
 }
 
 /// Where and how it is drawn.
-enum Processor {
+pub(super) enum Processor {
     Cpu,
     #[cfg(feature = "gpu")]
     Deferred(Box<Device>),
@@ -203,19 +203,13 @@ impl Renderer {
         Ok(out)
     }
 
-    fn pixels(&self, view: &ViewConstants) -> Result<(Vec<Pixel>, Vec<(String, u64)>)> {
+    pub(super) fn pixels(&self, view: &ViewConstants) -> Result<(Vec<Pixel>, Vec<(String, u64)>)> {
         #[cfg(feature = "gpu")]
         match &self.on {
             Processor::Cpu => {}
             Processor::Deferred(device) => return device.draw(view).map(named),
             Processor::Forward(forward) => {
-                if view.flags & FLAG_WIREFRAME != 0 {
-                    let reason = "wireframe is drawn by the deferred path only".into();
-                    return Err(Error::Option {
-                        option: "--path",
-                        reason,
-                    });
-                }
+                forward_can(view)?;
                 let (mut pixels, timings) = forward.draw(view)?;
                 shade::encode(&mut pixels, &self.picture.constants, view.flags);
                 return Ok(named((pixels, timings)));
@@ -235,6 +229,18 @@ impl Renderer {
     }
 }
 
+/// Refuses what the forward path does not draw.
+#[cfg(feature = "gpu")]
+pub(super) fn forward_can(view: &ViewConstants) -> Result<()> {
+    if view.flags & FLAG_WIREFRAME == 0 {
+        return Ok(());
+    }
+    Err(Error::Option {
+        option: "--path",
+        reason: "wireframe is drawn by the deferred path only".into(),
+    })
+}
+
 #[cfg(feature = "gpu")]
 fn named((pixels, timings): (Vec<Pixel>, gpu::Timings)) -> (Vec<Pixel>, Vec<(String, u64)>) {
     let passes = timings.passes.into_iter();
@@ -248,7 +254,7 @@ fn timed<T>(passes: &mut Vec<(String, u64)>, name: &str, work: impl FnOnce() -> 
     out
 }
 
-fn flags(options: &Options) -> u32 {
+pub(super) fn flags(options: &Options) -> u32 {
     let output = match options.output {
         Output::Lit => OUTPUT_LIT,
         Output::Unlit => OUTPUT_UNLIT,

@@ -71,8 +71,11 @@ pub fn stage_posed(
     Ok((picture, warnings))
 }
 
-/// The same with materials and textures at hand; `attributes` holds no mesh.
-pub(super) fn stage_with(
+/// As [`stage_posed`], with the scene's materials and textures read already ([`attributes_of`]) and no mesh among them yet.
+///
+/// # Errors
+/// As [`stage_posed`].
+pub fn stage_with(
     attributes: AttributeSet,
     scene: &Scene,
     subjects: &[Subject],
@@ -231,7 +234,7 @@ impl Staging {
 }
 
 /// The reference's own geometry as a LoD: its T3 is what the tables hold, bit for bit.
-fn level_zero(mesh: &Mesh, tables: &Tables, layers: &[u8]) -> Lod {
+pub(super) fn level_zero(mesh: &Mesh, tables: &Tables, layers: &[u8]) -> Lod {
     let primary = &tables.primary;
     let t3 = |v: usize| {
         let grid = primary.to_grid(primary.t3_of(mesh, v));

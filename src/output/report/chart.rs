@@ -96,20 +96,24 @@ impl BarChart {
     }
 
     fn legend(&self) -> String {
-        if self.series.len() < 2 {
-            return String::new();
-        }
-        let item = |(k, s): (usize, &Series)| {
-            format!("<span><i class=\"s{k}\"></i>{}</span>", escape(&s.name))
-        };
-        format!(
-            "<p class=\"legend\">{}</p>",
-            self.series.iter().enumerate().map(item).collect::<String>()
-        )
+        legend(self.series.iter().map(|s| s.name.as_str()))
     }
 }
 
-fn text(svg: &mut String, anchor: &str, x: f64, y: f64, content: &str, class: &str) {
+/// Names beside the colours of a chart's series; nothing for a single one.
+pub(super) fn legend<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
+    if names.len() < 2 {
+        return String::new();
+    }
+    let item =
+        |(k, name): (usize, &str)| format!("<span><i class=\"s{k}\"></i>{}</span>", escape(name));
+    format!(
+        "<p class=\"legend\">{}</p>",
+        names.enumerate().map(item).collect::<String>()
+    )
+}
+
+pub(super) fn text(svg: &mut String, anchor: &str, x: f64, y: f64, content: &str, class: &str) {
     let _ = write!(
         svg,
         "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" dominant-baseline=\"central\">{content}</text>"

@@ -7,51 +7,95 @@ use std::fmt::Write;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
-use super::{Level, Report, Shot, Table};
+use super::{BarChart, Chart, Level, Page, Report, Section, Shot, Table};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
 /// The report as HTML.
 pub fn render(report: &Report) -> String {
-    let mut html = String::new();
-    let _ = write!(
-        html,
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{0}</title>\n<style>\n{STYLE}</style>\n</head>\n\
-         <body>\n<header>\n<h1>{0}</h1>\n<p class=\"lead\">{1}</p>\n{2}</header>\n<main>\n",
-        escape(&report.title),
-        escape(&report.lead),
-        facts(&report.facts, "facts"),
-    );
+    let mut html = head(&report.title, &report.lead, &report.facts);
     html.push_str(&showcase(report));
     for (k, level) in report.levels.iter().enumerate() {
         html.push_str(&section(level, k, k == report.showcase));
     }
     if !report.charts.is_empty() {
-        html.push_str("<section>\n<h2>In bars</h2>\n<div class=\"charts\">\n");
-        for chart in &report.charts {
-            let _ = writeln!(
-                html,
-                "<figure><h3>{}</h3>{}</figure>",
-                escape(&chart.title),
-                chart.svg()
-            );
-        }
-        html.push_str("</div>\n</section>\n");
+        html.push_str("<section>\n<h2>In bars</h2>\n");
+        html.push_str(&charts(report.charts.iter().map(bars)));
+        html.push_str("</section>\n");
     }
     if !report.tables.is_empty() {
         html.push_str("<section>\n<h2>In numbers</h2>\n");
         html.extend(report.tables.iter().map(table));
         html.push_str("</section>\n");
     }
-    let _ = write!(
-        html,
-        "</main>\n<footer>{}</footer>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
-        escape(&report.footer)
+    html + &foot(&report.footer, SCRIPT)
+}
+
+/// The page as HTML. It has no script.
+pub fn render_page(page: &Page) -> String {
+    let mut html = head(&page.title, &page.lead, &page.facts);
+    html.extend(
+        page.sections
+            .iter()
+            .enumerate()
+            .map(|(k, s)| plain_section(s, k)),
     );
-    html
+    html + &foot(&page.footer, "")
+}
+
+fn head(title: &str, lead: &str, row: &[(String, String)]) -> String {
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n<title>{0}</title>\n<style>\n{STYLE}</style>\n</head>\n\
+         <body>\n<header>\n<h1>{0}</h1>\n<p class=\"lead\">{1}</p>\n{2}</header>\n<main>\n",
+        escape(title),
+        escape(lead),
+        facts(row, "facts"),
+    )
+}
+
+fn foot(text: &str, script: &str) -> String {
+    let mut html = format!("</main>\n<footer>{}</footer>\n", escape(text));
+    if !script.is_empty() {
+        let _ = writeln!(html, "<script>\n{script}</script>");
+    }
+    html + "</body>\n</html>\n"
+}
+
+fn plain_section(section: &Section, index: usize) -> String {
+    let mut html = format!("<section>\n<h2>{}</h2>\n", escape(&section.heading));
+    if !section.text.is_empty() {
+        let _ = writeln!(html, "<p class=\"lead\">{}</p>", escape(&section.text));
+    }
+    if !section.shots.is_empty() {
+        html.push_str("<div class=\"row wide\">\n");
+        let shots = section.shots.iter().enumerate();
+        html.extend(shots.map(|(k, shot)| figure(shot, &format!("shot-{index}-{k}"))));
+        html.push_str("</div>\n");
+    }
+    if !section.charts.is_empty() {
+        html.push_str(&charts(section.charts.iter().map(|chart| match chart {
+            Chart::Bars(chart) => bars(chart),
+            Chart::Plot(plot) => (plot.title.as_str(), plot.svg()),
+        })));
+    }
+    html.extend(section.tables.iter().map(table));
+    html + "</section>\n"
+}
+
+fn bars(chart: &BarChart) -> (&str, String) {
+    (&chart.title, chart.svg())
+}
+
+/// Charts side by side, each a title and its SVG.
+fn charts<'a>(charts: impl Iterator<Item = (&'a str, String)>) -> String {
+    let figure = |(title, svg)| format!("<figure><h3>{}</h3>{svg}</figure>\n", escape(title));
+    format!(
+        "<div class=\"charts\">\n{}</div>\n",
+        charts.map(figure).collect::<String>()
+    )
 }
 
 /// Reference, inverse texture, plain: the page's first picture. The level's own section does not repeat its two.
@@ -138,8 +182,14 @@ fn table(table: &Table) -> String {
             None => String::new(),
         })
         .collect();
+    // A table of many columns is set narrower.
+    let class = if table.columns.len() > 10 {
+        " many"
+    } else {
+        ""
+    };
     format!(
-        "<div class=\"scroll\"><table><caption>{}</caption>\n<thead><tr>{}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n",
+        "<div class=\"scroll{class}\"><table><caption>{}</caption>\n<thead><tr>{}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n",
         escape(&table.title),
         cells("th", &table.columns)
     )
@@ -224,6 +274,24 @@ mod tests {
         let html = render(&report());
         assert!(!html.contains("<script>alert"));
         assert!(html.contains("A &lt;script&gt;alert(1)&lt;/script&gt; model"));
+    }
+
+    #[test]
+    fn a_page_has_its_sections_and_no_script() {
+        let page = Page {
+            title: "t".into(),
+            lead: "l".into(),
+            facts: vec![],
+            sections: vec![Section {
+                heading: "one < two".into(),
+                shots: vec![shot("heat")],
+                ..Section::default()
+            }],
+            footer: "f".into(),
+        };
+        let html = render_page(&page);
+        assert!(html.contains("one &lt; two") && html.contains("id=\"shot-0-0\""));
+        assert!(!html.contains("<script") && html.ends_with("</html>\n"));
     }
 
     #[test]
