@@ -33,6 +33,7 @@ struct IgtSurface {
     float metallic;
     float roughness;
     float occlusion;
+    vec3 bump; // the normal map's texel
     bool masked;
     bool unlit;
 };
@@ -135,12 +136,12 @@ IgtSurface igt_surface(IgtSurfacePoint p, vec4 world[3], vec4 normal[3]) {
     uint m = corner.w * IGT_MATERIAL_WORDS;
     vec4 texel = vec4(1.0);
     vec4 orm = vec4(1.0);
-    vec4 bump = vec4(1.0);
+    vec4 bump = vec4(0.5, 0.5, 1.0, 1.0);
     float occluded = 1.0;
     vec3 glow = vec3(1.0);
     // One copy of the sampling code for all slots.
     for (uint slot = 0u; slot < 5u; slot++) {
-        vec4 value = igt_slot(corner, record, slot, p, vec4(1.0));
+        vec4 value = igt_slot(corner, record, slot, p, slot == 2u ? bump : vec4(1.0));
         if (slot == 0u) texel = value;
         if (slot == 1u) orm = value;
         if (slot == 2u) bump = value;
@@ -161,6 +162,7 @@ IgtSurface igt_surface(IgtSurfacePoint p, vec4 world[3], vec4 normal[3]) {
     s.metallic = metallic;
     s.roughness = roughness;
     s.occlusion = occlusion;
+    s.bump = bump.xyz;
     s.masked = igt_material_word(m + 12u) == 1u && base.w < igt_material_float(m + 11u);
     s.unlit = igt_material_word(m + 13u) != 0u;
     return s;

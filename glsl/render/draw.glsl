@@ -42,6 +42,7 @@ layout(push_constant) uniform View {
     uint vertex_count;
     float away_z;
     float away_w;
+    float time;
 } view;
 
 // Twin of DrawRecord::step_back: how far a triangle seen with `sense` steps back before depths are compared, given the

@@ -4,6 +4,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "render/draw.glsl"
 
+// Whether an attribute is shown in place of base colour: not 0.
+layout(constant_id = 16) const uint SHOWN = 0u;
+
 layout(std430, binding = 0) readonly buffer Draws { DrawRecord records[]; } draws;
 layout(std430, binding = 1) readonly buffer Corners { uvec4 triangles[]; } corners;
 layout(std430, binding = 4) readonly buffer AttributeTriangles { uvec4 quads[]; } attribute_triangles;
@@ -72,6 +75,7 @@ vec4 igt_sample(uint id, IgtUvGradient at) {
 #include "render/light.glsl"
 #include "render/correspond.glsl"
 #include "render/frame.glsl"
+#include "common/show.glsl"
 
 ivec3 query_of(vec3 way) {
     ivec3 step = ivec3(floor(clamp(way, vec3(-1.5e9), vec3(1.5e9)) + 0.5));
@@ -118,6 +122,9 @@ void main() {
     if (back > 0.0) {
         float stepped = (gl_FragCoord.z + back * view.away_z * gl_FragCoord.w) / (1.0 + back * view.away_w * gl_FragCoord.w);
         gl_FragDepth = max(gl_FragCoord.z, min(stepped, 1.0));
+    }
+    if (SHOWN != 0u && found.known) {
+        igt_show(surface, found.point, found.point.triangle - draws.records[draw].attribute_base);
     }
     colour = (view.flags & 3u) == 2u ? vec4(surface.normal * 0.5 + 0.5, 1.0) : vec4(radiance(surface, world), 1.0);
 }

@@ -53,6 +53,7 @@ IgtSurface unknown_surface() {
     s.metallic = 0.0;
     s.roughness = 1.0;
     s.occlusion = 1.0;
+    s.bump = vec3(0.5, 0.5, 1.0);
     s.masked = false;
     s.unlit = true;
     return s;

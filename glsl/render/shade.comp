@@ -4,6 +4,9 @@
 #include "render/cover.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 
+// Whether an attribute is shown in place of base colour: not 0.
+layout(constant_id = 16) const uint SHOWN = 0u;
+
 layout(std430, binding = 0) readonly buffer Draws { DrawRecord records[]; } draws;
 layout(std430, binding = 1) readonly buffer Corners { uvec4 triangles[]; } corners;
 layout(std430, binding = 2) readonly buffer ProjectedVertices { Projected vertices[]; } projected;
@@ -59,6 +62,7 @@ uint igt_load_triangle1(uint i) { return igt_triangles.quads[igt_triangle_base +
 #include "render/light.glsl"
 #include "render/correspond.glsl"
 #include "render/frame.glsl"
+#include "common/show.glsl"
 
 const uint NOTHING = 0xffffffffu;
 const uint THRESHOLDS_AT = 256u;
@@ -67,6 +71,7 @@ const int PALETTE_STOPS = 17;
 const uint OUTPUT_NORMALS = 2u;
 const uint OUTPUT_FETCHES = 3u;
 const uint FLAG_WIREFRAME = 4u;
+const uint FLAG_DATA = 128u;
 const vec3 LINE = vec3(0.004, 0.006, 0.012);
 
 uint draw_of_triangle(uint id) {
@@ -213,11 +218,17 @@ void main() {
     if (turned > 0.0) {
         surface.normal = -surface.normal;
     }
+    if (SHOWN != 0u && found.known) {
+        igt_show(surface, found.point, triangle);
+    }
     uint kind = view.flags & 3u;
-    if (kind == OUTPUT_NORMALS || kind == OUTPUT_FETCHES) {
+    bool data = (view.flags & FLAG_DATA) != 0u;
+    if (kind == OUTPUT_NORMALS || kind == OUTPUT_FETCHES || data) {
         precise vec3 rgb;
         if (kind == OUTPUT_NORMALS) {
             rgb = surface.normal * 0.5 + vec3(0.5);
+        } else if (data) {
+            rgb = surface.base.xyz;
         } else {
             precise float t = float(int(found.fetches)) / max(float(int(view.flags >> 8)), 1.0);
             rgb = palette(t);

@@ -3,7 +3,9 @@
 //! In: a [`Scene`], and whether pictures of it will be lit. Out: a set with all materials and no mesh yet; only textures
 //! that the shading reads are decoded. An image that cannot be decoded is replaced by a neutral texel, with a warning.
 
-use super::material::{Alpha, Material, Slot, SlotBinding};
+use super::material::{Alpha, MATERIAL_WORDS, Material, Slot, SlotBinding};
+use super::show::{FACTOR_WORDS, FACTORS_AT, KEEP, SHOWN_AT};
+use super::shown::{Shown, missing_uv, uv_sets};
 use super::surface::AttributeSet;
 use super::texture::{Pixels, Sampler, TextureSet, Wrap};
 use crate::Result;
@@ -17,8 +19,36 @@ const NEUTRAL: usize = usize::MAX - 1;
 /// # Errors
 /// [`Error::Capacity`](crate::Error::Capacity) where the textures exceed 512 MiB with their mip levels.
 pub fn attributes_of(scene: &Scene, lit: bool) -> Result<(AttributeSet, Vec<String>)> {
+    read(scene, lit, None)
+}
+
+/// As [`attributes_of`], with `shown`, which was made for this scene, in place of base colour.
+///
+/// # Errors
+/// As [`attributes_of`].
+pub fn attributes_showing(
+    scene: &Scene,
+    lit: bool,
+    shown: &Shown,
+) -> Result<(AttributeSet, Vec<String>)> {
+    let (mut set, warnings) = read(scene, lit, Some(shown))?;
+    let count = shown.factors.len() as u32;
+    let keep = u32::from(shown.keeps_material()) * KEEP;
+    for record in set.materials.chunks_mut(MATERIAL_WORDS) {
+        record[SHOWN_AT] = count | keep;
+        for (k, factor) in shown.factors.iter().enumerate() {
+            record[FACTORS_AT + k * FACTOR_WORDS..][..FACTOR_WORDS].copy_from_slice(factor);
+        }
+    }
+    set.extra = shown.extra.clone();
+    set.data = shown.attribute().is_data();
+    Ok((set, warnings))
+}
+
+fn read(scene: &Scene, lit: bool, shown: Option<&Shown>) -> Result<(AttributeSet, Vec<String>)> {
     let mut reading = Reading {
         scene,
+        shown,
         textures: TextureSet::default(),
         warnings: Vec::new(),
     };
@@ -27,40 +57,40 @@ pub fn attributes_of(scene: &Scene, lit: bool) -> Result<(AttributeSet, Vec<Stri
         .iter()
         .map(|m| reading.material(m, lit))
         .collect::<Result<Vec<_>>>()?;
-    let uv_sets = scene
-        .meshes
-        .iter()
-        .map(|m| m.uv_sets.len())
-        .max()
-        .unwrap_or(0);
+    if shown.is_none() {
+        reading.warn_of_missing_uv();
+    }
     let Reading {
         textures, warnings, ..
     } = reading;
-    Ok((
-        AttributeSet::new(textures, &materials, uv_sets.max(1)),
-        warnings,
-    ))
+    let set = AttributeSet::new(textures, &materials, uv_sets(scene));
+    Ok((set, warnings))
 }
 
 struct Reading<'a> {
     scene: &'a Scene,
+    shown: Option<&'a Shown>,
     textures: TextureSet,
     warnings: Vec<String>,
 }
 
 impl Reading<'_> {
     fn material(&mut self, m: &scene::Material, lit: bool) -> Result<Material> {
-        let lit = lit && !m.unlit;
         let used = [
-            (Slot::BaseColor, m.base_color_texture, true),
-            (Slot::MetallicRoughness, m.metallic_roughness_texture, lit),
-            (Slot::Normal, m.normal_texture, lit),
-            (Slot::Occlusion, m.occlusion_texture, lit),
-            (Slot::Emissive, m.emissive_texture, lit),
+            (Slot::BaseColor, m.base_color_texture),
+            (Slot::MetallicRoughness, m.metallic_roughness_texture),
+            (Slot::Normal, m.normal_texture),
+            (Slot::Occlusion, m.occlusion_texture),
+            (Slot::Emissive, m.emissive_texture),
         ];
+        let wanted = |slot| match self.shown {
+            Some(shown) => shown.wants(slot, m, lit),
+            None => slot == Slot::BaseColor || lit && !m.unlit,
+        };
+        let used = used.map(|(slot, texture)| (slot, texture.filter(|_| wanted(slot))));
         let mut slots = [None; 5];
-        for (slot, texture, wanted) in used {
-            if let Some(texture) = texture.filter(|_| wanted) {
+        for (slot, texture) in used {
+            if let Some(texture) = texture {
                 slots[slot as usize] = Some(self.binding(slot, &texture)?);
             }
         }
@@ -80,6 +110,18 @@ impl Reading<'_> {
             unlit: m.unlit,
             slots,
         })
+    }
+
+    /// A texture without the uv that it is laid out by shows one texel: glTF's readers take uv (0, 0) there.
+    fn warn_of_missing_uv(&mut self) {
+        for mesh in &self.scene.meshes {
+            if let Some((material, set)) = missing_uv(self.scene, mesh, |m| m.base_color_texture) {
+                self.warnings.push(format!(
+                    "mesh \"{}\" has no TEXCOORD_{set}, which the base colour texture of material \"{}\" is laid out by: it is left out",
+                    mesh.name, self.scene.materials[material].name
+                ));
+            }
+        }
     }
 
     fn binding(&mut self, slot: Slot, reference: &TextureRef) -> Result<SlotBinding> {

@@ -1,4 +1,5 @@
-//! What can be fetched at a point of the reference: colour, normal, artist textures, material.
+//! What can be fetched at a point of the reference: colour, normal, artist textures, material; or, in place of its base
+//! colour, any [`Attribute`] by name.
 //!
 //! In: reference meshes, materials, decoded images. Out: an [`AttributeSet`], plain words that the CPU
 //! ([`surface`](self)) and the shaders (`glsl/common/surface.glsl`) read alike, and evaluate to the same bits.
@@ -7,12 +8,20 @@ pub(crate) mod arithmetic;
 mod from_scene;
 mod material;
 mod mips;
+mod named;
+mod occlusion;
+mod rays;
 pub(crate) mod sample;
+mod show;
+mod shown;
 pub(crate) mod surface;
 pub(crate) mod texture;
 mod uv_record;
 
-pub use from_scene::attributes_of;
+pub use from_scene::{attributes_of, attributes_showing};
 pub use material::{Alpha, Material, Slot, SlotBinding};
+pub use named::{Attribute, Factor, MOST_FACTORS, VertexAttribute};
+pub use occlusion::OcclusionOptions;
+pub use shown::{Shown, ShownOptions};
 pub use surface::AttributeSet;
 pub use texture::{Pixels, Sampler, TextureSet, Wrap};

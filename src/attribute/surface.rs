@@ -9,10 +9,14 @@
 use super::arithmetic::{V3, add3, cross3, dot3, mul3, scale3, unit3};
 use super::material::{MATERIAL_WORDS, Material, NO_TEXTURE, RECORD_AT, SLOT_WORDS, SLOTS_AT};
 use super::sample::UvGradient;
+#[cfg(feature = "gpu")]
+use super::show::SHOWN_AT;
+use super::shown::Extra;
 use super::texture::TextureSet;
 use super::uv_record::{self, CornerUv};
 use crate::mesh::Mesh;
 use crate::{Error, Result};
+use std::sync::Arc;
 
 /// Where the uv sets of a vertex begin: after normal (3), tangent (4) and colour (4).
 pub(crate) const UV_AT: usize = 11;
@@ -31,6 +35,10 @@ pub struct AttributeSet {
     /// Their textures.
     pub(crate) textures: TextureSet,
     uv_sets: usize,
+    /// What vertices of a scene's meshes carry besides.
+    pub(super) extra: Extra,
+    /// Whether what is shown in place of base colour is data.
+    pub(super) data: bool,
 }
 
 /// A point of the reference and how it moves to the next pixel in x and in y.
@@ -62,6 +70,8 @@ pub(crate) struct Surface {
     pub metallic: f32,
     pub roughness: f32,
     pub occlusion: f32,
+    /// The normal map's texel, 0..1.
+    pub bump: V3,
     /// A masked pixel whose alpha is below the cutoff.
     pub masked: bool,
     pub unlit: bool,
@@ -84,10 +94,39 @@ impl AttributeSet {
         self.materials.len() / MATERIAL_WORDS
     }
 
-    /// Appends a mesh; returns the number of its first triangle.
+    /// Whether these show data, which is written as it is and never lit: see [`Attribute::is_data`](super::Attribute::is_data).
+    pub fn is_data(&self) -> bool {
+        self.data
+    }
+
+    /// Whether anything is shown in place of the materials' base colour.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn is_shown(&self) -> bool {
+        self.materials
+            .get(SHOWN_AT)
+            .is_some_and(|&shown| shown != 0)
+    }
+
+    /// Appends a mesh that belongs to no scene; returns the number of its first triangle.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] where the vertices' words cannot be numbered.
     pub fn push_mesh(&mut self, mesh: &Mesh) -> Result<u32> {
+        self.push(mesh, None)
+    }
+
+    /// Appends mesh `number` of the scene whose attributes these are, as it is or posed; returns the number of its first
+    /// triangle.
+    ///
+    /// # Errors
+    /// As [`AttributeSet::push_mesh`].
+    pub fn push_mesh_of_scene(&mut self, mesh: &Mesh, number: usize) -> Result<u32> {
+        self.push(mesh, Some(number))
+    }
+
+    fn push(&mut self, mesh: &Mesh, number: Option<usize>) -> Result<u32> {
         let base = self.vertices.len();
-        let stride = UV_AT + 2 * self.uv_sets;
+        let stride = UV_AT + 2 * self.uv_sets + self.extra.width;
         let words = (base + mesh.positions.len() * stride) as u64;
         if words > u64::from(u32::MAX) / 4 {
             return Err(Error::Capacity {
@@ -96,8 +135,12 @@ impl AttributeSet {
                 have: 1 << 30,
             });
         }
+        let extra = Arc::clone(&self.extra.meshes);
+        let extra = number
+            .and_then(|m| extra.get(m))
+            .map_or(&[][..], Vec::as_slice);
         for vertex in 0..mesh.positions.len() {
-            self.push_vertex(mesh, vertex);
+            self.push_vertex(mesh, vertex, extra);
         }
         let first = self.triangles.len() as u32;
         for (triangle, material) in mesh.triangles.iter().zip(&mesh.triangle_material) {
@@ -110,7 +153,7 @@ impl AttributeSet {
         Ok(first)
     }
 
-    fn push_vertex(&mut self, mesh: &Mesh, vertex: usize) {
+    fn push_vertex(&mut self, mesh: &Mesh, vertex: usize, extra: &[f32]) {
         let tangent = mesh.tangents.get(vertex).copied().unwrap_or([0.0; 4]);
         let color = mesh.colors.get(vertex).copied().unwrap_or([1.0; 4]);
         let mut put = |values: &[f32]| self.vertices.extend(values.iter().map(|v| v.to_bits()));
@@ -125,6 +168,10 @@ impl AttributeSet {
                 .copied()
                 .unwrap_or([0.0; 2]));
         }
+        let begin = vertex * self.extra.width;
+        let own = |k: usize| extra.get(begin + k).copied().unwrap_or(0.0);
+        let own = (0..self.extra.width).map(own);
+        self.vertices.extend(own.map(f32::to_bits));
     }
 
     /// The word of a vertex where the uv begins that a triangle's record holds.
@@ -146,12 +193,12 @@ impl AttributeSet {
         }
     }
 
-    fn float(&self, at: u32) -> f32 {
+    pub(super) fn float(&self, at: u32) -> f32 {
         f32::from_bits(self.vertices[at as usize])
     }
 
     /// Word `word` of the three vertices, weighted.
-    fn weighted(&self, corner: [u32; 4], word: u32, b: [f32; 3]) -> f32 {
+    pub(super) fn weighted(&self, corner: [u32; 4], word: u32, b: [f32; 3]) -> f32 {
         b[0] * self.float(corner[0] + word)
             + b[1] * self.float(corner[1] + word)
             + b[2] * self.float(corner[2] + word)
@@ -216,38 +263,31 @@ impl AttributeSet {
             std::array::from_fn(|i| texel[i] * self.material_float(m + i as u32) * color[i]);
         let orm = self.slot(decode, triangle, 1, p, white);
         let occlusion = self.slot(decode, triangle, 3, p, white)[0];
+        let bump = self.slot(decode, triangle, 2, p, [0.5, 0.5, 1.0, 1.0]);
         let emissive = self.slot(decode, triangle, 4, p, white);
         let strength = self.material_float(m + 10);
         let factor = [0, 1, 2].map(|i| self.material_float(m + 4 + i));
         Surface {
             base,
-            normal: self.normal(decode, triangle, p, frame),
+            normal: self.normal(corner, bump, p, frame),
             emissive: mul3(factor, [emissive[0], emissive[1], emissive[2]]),
             metallic: orm[2] * self.material_float(m + 7),
             roughness: orm[1] * self.material_float(m + 8),
             occlusion: 1.0 + strength * (occlusion - 1.0),
+            bump: [bump[0], bump[1], bump[2]],
             masked: self.materials[m as usize + 12] == 1 && base[3] < self.material_float(m + 11),
             unlit: self.materials[m as usize + 13] != 0,
         }
     }
 
     /// Two-level normal: the reference's interpolated one, tilted by the artist's map in the reference's tangent frame.
-    fn normal(
-        &self,
-        decode: &[f32],
-        triangle: [[u32; 4]; 2],
-        p: &SurfacePoint,
-        frame: &Frame,
-    ) -> V3 {
-        let corner = triangle[0];
+    fn normal(&self, corner: [u32; 4], texel: [f32; 4], p: &SurfacePoint, frame: &Frame) -> V3 {
         let row = |r: &[f32; 4]| [r[0], r[1], r[2]];
         let object = self.weighted3(corner, 0, p.b);
         let n = unit3(
             frame.normal.each_ref().map(|r| dot3(row(r), object)),
             [0.0, 0.0, 1.0],
         );
-        let flat = [0.5, 0.5, 1.0, 1.0];
-        let texel = self.slot(decode, triangle, 2, p, flat);
         let object = self.weighted3(corner, 3, p.b);
         let t = frame.world.each_ref().map(|r| dot3(row(r), object));
         let slot = corner[3] * MATERIAL_WORDS as u32 + SLOTS_AT as u32 + 2 * SLOT_WORDS as u32;

@@ -55,7 +55,7 @@ pub(super) struct Demo {
         default_value = "25,15",
         allow_hyphen_values = true
     )]
-    view: super::render::Angles,
+    view: super::view::Angles,
 }
 
 #[derive(Serialize)]
@@ -175,7 +175,7 @@ impl Demo {
 
     fn camera(&self, model: &Model) -> Result<Camera> {
         let (centre, radius) = drawing::reference_sphere(model)?;
-        let super::render::Angles(azimuth, elevation) = self.view;
+        let super::view::Angles(azimuth, elevation) = self.view;
         Camera::framed(
             centre,
             radius,
@@ -256,6 +256,7 @@ impl Studio<'_> {
             of as u64,
         );
         let wish = Wish {
+            shown: None,
             level: lod,
             mode,
             shading: Shading::Lit,

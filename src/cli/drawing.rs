@@ -3,10 +3,11 @@
 //! In: a model, a mode, a level. Out: a [`Renderer`] that holds the staged picture, and images as files' bytes.
 
 use invertex::asset::Model;
+use invertex::attribute::{Shown, attributes_of, attributes_showing};
 use invertex::output::{Aov, encode_exr, encode_png};
 use invertex::render::{
     Correspond, Options, Output, Picture, Rendered, Renderer, Subject, keep_only, stage_posed,
-    subjects,
+    stage_with, subjects,
 };
 use invertex::scene::{Material, Pose, Scene};
 use invertex::{Error, Result};
@@ -66,7 +67,7 @@ pub(super) enum DrawPath {
 
 /// What a renderer is made for.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Wish {
+pub(super) struct Wish<'a> {
     /// The level of detail.
     pub(super) level: usize,
     /// What is drawn.
@@ -75,6 +76,8 @@ pub(super) struct Wish {
     pub(super) shading: Shading,
     /// How it is drawn.
     pub(super) path: DrawPath,
+    /// What is shown in place of base colour.
+    pub(super) shown: Option<&'a Shown>,
 }
 
 /// The renderer's options for a mode.
@@ -115,7 +118,11 @@ impl<'a> Staged<'a> {
             Model::Built(built) => (subjects(built, wish.level), wish.mode.correspond(true)),
         };
         let scene = model.scene();
-        let (picture, warnings) = stage_posed(scene, &subjects, correspond, lit, pose)?;
+        let (attributes, warnings) = match wish.shown {
+            Some(shown) => attributes_showing(scene, lit, shown)?,
+            None => attributes_of(scene, lit)?,
+        };
+        let picture = stage_with(attributes, scene, &subjects, correspond, pose)?;
         let staged = Staged {
             scene,
             subjects,

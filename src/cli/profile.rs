@@ -17,7 +17,7 @@ use super::drawing::{DrawPath, Shading};
 use super::lod_choice::LodChoice;
 use super::print;
 use super::progress::Bar;
-use super::render::{Angles, Size};
+use super::view::{Angles, Size};
 use super::{Common, bad_option, mesh_named, note, profile_report, profile_table};
 
 /// Share of the reference's triangles that the level of detail is near where --lod does not say.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use super::attribute::Showing;
 use super::device::Device;
 use super::drawing::{self, Background, DrawPath, Format, Mode, Shading, Staged, Wish};
 use super::lod_choice::LodChoice;
@@ -10,10 +11,12 @@ use super::motion::{self, Frame, Motion};
 use super::print;
 use super::progress::Bar;
 use super::render_report::{ImageReport, Report};
+use super::view::{Angles, Size};
 use super::{Common, bad_option, note};
 use invertex::asset::Model;
+use invertex::attribute::Shown;
 use invertex::output::{check_target, make_folder, write_bytes};
-use invertex::render::{Camera, Projection, Renderer, View, parse_views};
+use invertex::render::{Camera, Output, Projection, Renderer, View, parse_views};
 use invertex::scene::{Pose, read_file};
 use invertex::{Error, Result};
 
@@ -26,7 +29,7 @@ use invertex::{Error, Result};
 A camera file: {\"width\": W, \"height\": H, \"views\": [{\"name\": \"front.png\", \"view\": [[4x4, row-major, world to
 camera, which looks down -Z, +Y up]], \"projection_vulkan\": [[4x4, clip z 0..1, y down]]}, ..]}
 
-JSON: device, animation (its name), images[]: path, time (seconds into the animation), width, height, lod, triangles,
+JSON: device, animation (its name), attribute, images[]: path, time (seconds into the animation), width, height, lod, triangles,
 covered_pixels, mean_fetches, sha256 (of the file), passes[] (nanoseconds of each); warnings[].
 
 EXR layers with --aov: triangle.id (of the reference, in its own mesh; -1 outside), barycentric.x .y .z, fetches.count,
@@ -38,6 +41,8 @@ Examples:
   invertex render built.glb -o plain.png --mode plain --lod triangles:500 --shading unlit
   invertex render built.glb -o views/ --camera cameras.json --mode igt --lod pixels:0.5
   invertex render built.glb -o lod1.exr --aov --mode igt --lod 1 --view 30,15 --ortho
+  invertex render built.glb -o occlusion.png --mode igt --lod 2 --attribute occlusion
+  invertex render built.glb -o ids.png --mode igt --attribute triangle-color --shading unlit
   invertex render fox.glb -o walk.png --animation Walk --time 0.35
   invertex render fox.built.glb -o run/ --mode igt --lod 1 --animation Run --time 0..1.15 --fps 24
   invertex render built.glb -o round/ --mode igt --turntable 36
@@ -92,43 +97,15 @@ pub(super) struct Render {
     #[arg(long, value_name = "NAME")]
     mesh: Option<String>,
     #[command(flatten)]
+    showing: Showing,
+    #[command(flatten)]
     motion: Motion,
-}
-
-#[derive(Clone, Copy)]
-pub(super) struct Size(pub(super) u32, pub(super) u32);
-
-impl std::str::FromStr for Size {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        let side = |side: &str| side.parse::<u32>().ok().filter(|&n| n > 0);
-        let (width, height) = text.split_once(['x', 'X']).unwrap_or((text, text));
-        match (side(width), side(height)) {
-            (Some(width), Some(height)) => Ok(Size(width, height)),
-            _ => Err(format!("\"{text}\" is not a size such as 640x480 or 512")),
-        }
-    }
-}
-
-#[derive(Clone, Copy)]
-pub(super) struct Angles(pub(super) f64, pub(super) f64);
-
-impl std::str::FromStr for Angles {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        let angle = |text: &str| text.trim().parse::<f64>().ok().filter(|a| a.is_finite());
-        let both = text
-            .split_once(',')
-            .and_then(|(a, e)| Some(Angles(angle(a)?, angle(e)?)));
-        both.ok_or_else(|| format!("\"{text}\" is not two angles such as 30,20"))
-    }
 }
 
 impl Render {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
         let frames = self.motion.frames()?;
+        let attribute = self.showing.attribute(self.mode)?;
         let views = self.check()?;
         let mut model = Model::load(&self.file)?;
         if let Some(name) = &self.mesh {
@@ -148,8 +125,12 @@ impl Render {
             None => drawing::reference_sphere(&model)?,
         };
         let device = Device::open(common)?;
+        let shown = self
+            .showing
+            .shown(attribute.as_ref(), model.scene(), common)?;
         let mut stages = Stages {
             render: self,
+            shown: shown.as_ref(),
             model: &model,
             device: &device,
             animation,
@@ -172,6 +153,7 @@ impl Render {
             file: self.file.display().to_string(),
             device: device.name(),
             animation: animation.map(|a| model.scene().animations[a].name.clone()),
+            attribute: attribute.map(|a| a.to_string()),
             images,
             warnings,
         };
@@ -295,7 +277,10 @@ impl Render {
     ) -> Result<ImageReport> {
         let lod = self.level(stages.model, &shot.camera, sphere)?;
         let time = motion::shown(stages.model.scene(), stages.animation, shot.time);
-        let options = drawing::options(self.mode, self.shading, self.samples);
+        let mut options = drawing::options(self.mode, self.shading, self.samples);
+        if stages.shown.is_some_and(|s| s.attribute().is_data()) {
+            options.output = Output::Data;
+        }
         let renderer = stages.at(lod, time)?;
         let mut image = renderer.draw(&shot.camera, &options)?;
         let triangles = renderer.picture().triangle_count();
@@ -341,6 +326,7 @@ struct Shot {
 /// The model made ready at each level that is asked for, and the moment that it is posed at.
 struct Stages<'a> {
     render: &'a Render,
+    shown: Option<&'a Shown>,
     model: &'a Model,
     device: &'a Device,
     animation: Option<usize>,
@@ -379,6 +365,7 @@ impl Stages<'_> {
             mode,
             shading,
             path,
+            shown: self.shown,
         };
         let (staged, warnings) = Staged::new(self.model, wish, pose, self.device)?;
         if self.ready.is_empty() {

@@ -12,6 +12,8 @@ pub(super) struct Report {
     pub(super) device: String,
     /// Name of the animation.
     pub(super) animation: Option<String>,
+    /// What is shown in place of base colour.
+    pub(super) attribute: Option<String>,
     pub(super) images: Vec<ImageReport>,
     pub(super) warnings: Vec<String>,
 }

@@ -89,13 +89,23 @@ impl Context {
         &self,
         options: &GraphicsOptions<'_>,
     ) -> Result<Pipeline<S>> {
+        self.graphics_with(options, &[])
+    }
+
+    /// [`Context::graphics`] with specialization constants, as [`Context::compute_with`] takes them; a stage without a
+    /// constant is not concerned.
+    pub fn graphics_with<S: GraphicsShader>(
+        &self,
+        options: &GraphicsOptions<'_>,
+        constants: &[(u32, u32)],
+    ) -> Result<Pipeline<S>> {
         let state = GraphicsOptions {
             color_formats: &[],
             ..*options
         };
         let key = Key {
             shader: S::NAME,
-            constants: Vec::new(),
+            constants: constants.to_vec(),
             graphics: Some((options.color_formats.to_vec(), state)),
         };
         self.pipeline::<S>(key, Some(options))

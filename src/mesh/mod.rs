@@ -45,6 +45,19 @@ pub struct Mesh {
     pub targets: Vec<MorphTarget>,
     /// How far, at rest, one for each of `targets` (0: not at all, 1: all the way).
     pub target_weights: Vec<f32>,
+    /// What else the file says of its vertices, by name.
+    pub custom: Vec<CustomAttribute>,
+}
+
+/// A vertex attribute that means something to its author alone: one of glTF's names that begin with an underscore.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CustomAttribute {
+    /// Its name in the file, with the underscore.
+    pub name: String,
+    /// Numbers of a vertex, 1 to 4.
+    pub width: usize,
+    /// `width` numbers for each vertex; integers as they are, or in 0..1 where the file says that they are normalized.
+    pub values: Vec<f32>,
 }
 
 /// A shape that a mesh can morph towards: what to add to each vertex at weight 1. Arrays have one element per vertex or
@@ -130,6 +143,11 @@ impl Mesh {
                 self.finite(&name, values)?;
             }
         }
+        for custom in &self.custom {
+            let want = vertices * custom.width;
+            self.length(&custom.name, custom.values.len(), want, false)?;
+            self.finite(&custom.name, custom.values.as_chunks::<1>().0)?;
+        }
         self.finite("positions", &self.positions)?;
         self.finite("normals", &self.normals)?;
         self.finite("tangents", &self.tangents)?;
@@ -193,7 +211,7 @@ mod tests {
     #[test]
     fn every_fault_is_named() {
         type Spoil = fn(&mut Mesh);
-        let faults: [(Spoil, &str); 9] = [
+        let faults: [(Spoil, &str); 10] = [
             (|m| m.triangles[1][2] = 4, "triangles[1]"),
             (|m| m.positions[3][1] = f32::NAN, "positions[3]"),
             (|m| m.uv_sets[0][2][0] = f32::INFINITY, "uv_sets[0][2]"),
@@ -202,6 +220,16 @@ mod tests {
             (|m| m.joints = vec![[0; 4]; 4], "joints"),
             (|m| m.triangle_material.clear(), "triangle_material"),
             (|m| m.target_weights.push(1.0), "target_weights"),
+            (
+                |m| {
+                    m.custom.push(CustomAttribute {
+                        name: "_HEAT".into(),
+                        width: 2,
+                        values: vec![0.5; 7],
+                    });
+                },
+                "_HEAT",
+            ),
             (
                 |m| {
                     m.target_weights.push(1.0);

@@ -106,7 +106,7 @@ impl Baking {
         let lod = subject.lod.cloned().unwrap_or_else(level_zero);
         let atlas = atlas::of(&lod, &tables.primary, self.size)?;
         let mut low = unwrapped(reference, &lod, &atlas);
-        let base = self.source.push_mesh(reference)?;
+        let base = self.source.push_mesh_of_scene(reference, mesh)?;
         let texels = self.texels(&lod, &low, tables, base);
         let material = self.material(scene, reference, &texels)?;
         low.triangle_material.fill(self.materials.len() as u32);

@@ -27,6 +27,8 @@ pub(crate) struct Device {
     draw_count: u32,
     vertex_count: u32,
     triangle_count: u32,
+    /// Whether an attribute is shown in place of base colour.
+    shown: bool,
     /// The last target, kept because most images of a run have one size.
     target: Mutex<Option<Target>>,
 }
@@ -119,6 +121,7 @@ impl Device {
             draw_count: picture.draws.len() as u32,
             vertex_count: picture.vertex_count(),
             triangle_count: picture.triangle_count(),
+            shown: picture.attributes.is_shown(),
             target: Mutex::new(None),
         })
     }
@@ -157,8 +160,9 @@ impl Device {
                 projected: &a.projected,
             },
         )?;
+        let constants = [(render_shade::SHOWN, u32::from(self.shown))];
         let shade = context
-            .compute::<render_shade::Shader>()?
+            .compute_with::<render_shade::Shader>(&constants)?
             .bind(&render_shade::Bindings {
                 draws: &a.draws,
                 corners: &a.corners,
@@ -228,6 +232,7 @@ impl Device {
             vertex_count: self.vertex_count,
             away_z: view.away[0],
             away_w: view.away[1],
+            time: view.time,
         }
     }
 

@@ -76,6 +76,8 @@ pub(crate) struct ViewConstants {
     pub flags: u32,
     /// What a step of one world unit away from the eye adds to clip-space depth and w.
     pub away: [f32; 2],
+    /// Seconds, for what varies with time.
+    pub time: f32,
 }
 
 /// The light of lit shading.
@@ -100,7 +102,7 @@ impl Default for Light {
 }
 
 impl ViewConstants {
-    pub(crate) fn new(camera: &Camera, light: &Light, flags: u32) -> Self {
+    pub(crate) fn new(camera: &Camera, light: &Light, flags: u32, time: f32) -> Self {
         let over_shoulder = || camera.world_direction([-0.4, 0.55, 0.75]);
         let toward = light.direction.map_or_else(over_shoulder, |d| {
             glam::DVec3::from_array(d.map(f64::from))
@@ -118,6 +120,7 @@ impl ViewConstants {
             width: camera.width,
             height: camera.height,
             flags,
+            time,
         }
     }
 }

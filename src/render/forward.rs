@@ -12,7 +12,7 @@ use crate::attribute::arithmetic::srgb_decode_table;
 use crate::attribute::texture::{
     FLAG_NEAREST, FLAG_NO_MIPS, FLAG_SRGB, LEVELS_AT, TEXTURE_WORDS, TextureSet,
 };
-use crate::gpu::shaders::render_forward::{Bindings, Push, Shader};
+use crate::gpu::shaders::render_forward::{Bindings, Push, SHOWN, Shader};
 use crate::gpu::{
     Bound, Clear, Context, GraphicsOptions, GraphicsPass, Image, ImageOptions, Sampler,
     SamplerOptions, Timings, vk,
@@ -75,7 +75,9 @@ impl Forward {
             depth_test: true,
         };
         let class = |k: usize| (&images[k].0, &images[k].1);
-        let bound = context.graphics::<Shader>(&options)?.bind(&Bindings {
+        let constants = [(SHOWN, u32::from(picture.attributes.is_shown()))];
+        let pipeline = context.graphics_with::<Shader>(&options, &constants)?;
+        let bound = pipeline.bind(&Bindings {
             draws: &a.draws,
             corners: &a.corners,
             positions: &a.positions,
@@ -199,6 +201,7 @@ impl Forward {
             vertex_count: 0,
             away_z: view.away[0],
             away_w: view.away[1],
+            time: view.time,
         }
     }
 }

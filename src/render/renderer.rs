@@ -8,8 +8,8 @@ use super::draw::{Light, ViewConstants};
 use super::forward::Forward;
 use super::picture::Picture;
 use super::shade::{
-    Aov, FETCHES_SHIFT, FLAG_WIREFRAME, NOTHING, OUTPUT_FETCHES, OUTPUT_LIT, OUTPUT_NORMALS,
-    OUTPUT_UNLIT, Pixel,
+    Aov, FETCHES_SHIFT, FLAG_DATA, FLAG_WIREFRAME, NOTHING, OUTPUT_FETCHES, OUTPUT_LIT,
+    OUTPUT_NORMALS, OUTPUT_UNLIT, Pixel,
 };
 use super::stage::{Correspond, Subject, stage_with};
 use super::{project, raster, resolve, shade};
@@ -33,6 +33,8 @@ pub enum Output {
     Normals,
     /// Fetches of the correspondence in false colour ([`super::legend`]).
     Fetches,
+    /// What is shown in place of base colour ([`Shown`](crate::attribute::Shown)) as it is, never lit: for data.
+    Data,
 }
 
 /// How a picture is drawn.
@@ -48,6 +50,8 @@ pub struct Options {
     pub fetches_top: u32,
     /// Samples a pixel: 1 or 4 (2 x 2, averaged in linear light, weighted by coverage).
     pub samples: u32,
+    /// Seconds, for attributes that vary with time.
+    pub time: f32,
 }
 
 impl Default for Options {
@@ -58,6 +62,7 @@ impl Default for Options {
             light: Light::default(),
             fetches_top: 16,
             samples: 1,
+            time: 0.0,
         }
     }
 }
@@ -190,9 +195,12 @@ impl Renderer {
     pub fn draw(&self, camera: &Camera, options: &Options) -> Result<Rendered> {
         let factor = resolve::factor(options.samples)?;
         let fine = camera.scaled(factor)?;
-        let view = ViewConstants::new(&fine, &options.light, flags(options));
+        let view = ViewConstants::new(&fine, &options.light, flags(options), options.time);
         let (pixels, passes) = self.pixels(&view)?;
-        let coded = matches!(options.output, Output::Normals | Output::Fetches);
+        let coded = matches!(
+            options.output,
+            Output::Normals | Output::Fetches | Output::Data
+        );
         let pixels = if factor == 1 {
             pixels
         } else {
@@ -260,6 +268,7 @@ pub(super) fn flags(options: &Options) -> u32 {
         Output::Unlit => OUTPUT_UNLIT,
         Output::Normals => OUTPUT_NORMALS,
         Output::Fetches => OUTPUT_FETCHES,
+        Output::Data => OUTPUT_UNLIT | FLAG_DATA,
     };
     output
         | if options.wireframe { FLAG_WIREFRAME } else { 0 }

@@ -27,6 +27,8 @@ pub(crate) const OUTPUT_FETCHES: u32 = 3;
 const OUTPUT_MASK: u32 = 3;
 /// ... whether the drawn triangles' edges are drawn over it ...
 pub(crate) const FLAG_WIREFRAME: u32 = 4;
+/// ... whether base colour is data, written as it is ...
+pub(crate) const FLAG_DATA: u32 = 128;
 /// ... and, from this bit on, the number of fetches at the top of the false-colour scale.
 pub(crate) const FETCHES_SHIFT: u32 = 8;
 
@@ -78,6 +80,7 @@ const UNKNOWN: Surface = Surface {
     metallic: 0.0,
     roughness: 1.0,
     occlusion: 1.0,
+    bump: [0.5, 0.5, 1.0],
     masked: false,
     unlit: true,
 };
@@ -140,6 +143,7 @@ fn shade(
             sense,
             world,
             frame: &frame::at(picture, draw, vertex, b),
+            attribute_base: draw.attribute_base,
         },
         &found,
     );
@@ -175,6 +179,8 @@ struct Sight<'a> {
     sense: i32,
     world: V3,
     frame: &'a frame::Rows,
+    /// The first triangle of its reference in the attributes.
+    attribute_base: u32,
 }
 
 fn world_position(picture: &Picture, draw: &DrawRecord, vertex: [u32; 3], b: [f32; 3]) -> V3 {
@@ -202,10 +208,17 @@ fn colour(
     if sight.sense as f32 * normal[0][3] > 0.0 {
         surface.normal = surface.normal.map(|c| -c);
     }
+    if let Some(p) = &found.point {
+        let triangle = p.triangle - sight.attribute_base;
+        picture.attributes.show(&mut surface, p, triangle);
+    }
     let output = view.flags & OUTPUT_MASK;
     let coded = match output {
         OUTPUT_NORMALS => Some(surface.normal.map(|c| c * 0.5 + 0.5)),
         OUTPUT_FETCHES => Some(false_colour(constants, found.fetches, view.flags)),
+        _ if view.flags & FLAG_DATA != 0 => {
+            Some([surface.base[0], surface.base[1], surface.base[2]])
+        }
         _ => None,
     };
     if let Some([r, g, b]) = coded {
@@ -249,7 +262,8 @@ pub(crate) fn encode(pixels: &mut [Pixel], constants: &[f32], flags: u32) {
                 let [r, g, b] = false_colour(constants, pixel.aov.fetches, flags);
                 pixel.linear = [r, g, b, 1.0];
             }
-            let coded = output == OUTPUT_NORMALS || output == OUTPUT_FETCHES;
+            let coded =
+                output == OUTPUT_NORMALS || output == OUTPUT_FETCHES || flags & FLAG_DATA != 0;
             let code = |c: f32| {
                 if coded {
                     unit_encode(c)

@@ -170,7 +170,7 @@ impl Staging {
             let turning = Turning::of(deformation, mesh.into(), false);
             let posed = deformation.map(|d| d.mesh(mesh)).transpose()?;
             let mesh = posed.as_ref().unwrap_or(mesh);
-            return self.own(mesh, &mesh.positions, &turning, 0.0);
+            return self.own((mesh, Some(number)), &mesh.positions, &turning, 0.0);
         };
         let lod = match subject.lod {
             Some(lod) => Cow::Borrowed(lod),
@@ -187,12 +187,12 @@ impl Staging {
             let corners = lod.triangles.as_flattened().iter().map(|&v| v as usize);
             let positions: Vec<[f32; 3]> = corners.clone().map(|v| positions[v]).collect();
             turning.frames = turning.frames.map(|frames| frames.of(corners));
-            return self.own(&plain, &positions, &turning, lod.error);
+            return self.own((&plain, None), &positions, &turning, lod.error);
         }
         let (base, number) = match self.fetched[number] {
             Some(there) => there,
             None => {
-                let base = self.picture.attributes.push_mesh(mesh)?;
+                let base = self.picture.attributes.push_mesh_of_scene(mesh, number)?;
                 *self.fetched[number].insert((base, self.picture.add_tables(Arc::clone(tables))))
             }
         };
@@ -208,16 +208,20 @@ impl Staging {
         Ok((geometry, base, Some(number)))
     }
 
-    /// A mesh that is its own reference, or (`slack`) a level of detail with attributes of its own; it is drawn at
-    /// `positions`.
+    /// A mesh that is its own reference, with its number, or (`slack`) a level of detail with attributes of its own; it is
+    /// drawn at `positions`.
     fn own(
         &mut self,
-        mesh: &Mesh,
+        (mesh, number): (&Mesh, Option<usize>),
         positions: &[[f32; 3]],
         turning: &Turning,
         slack: f32,
     ) -> Result<Ready> {
-        let base = self.picture.attributes.push_mesh(mesh)?;
+        let attributes = &mut self.picture.attributes;
+        let base = match number {
+            Some(number) => attributes.push_mesh_of_scene(mesh, number)?,
+            None => attributes.push_mesh(mesh)?,
+        };
         let geometry = self
             .picture
             .add_geometry(positions, &mesh.triangles, &[], &[], slack)?;

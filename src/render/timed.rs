@@ -74,7 +74,7 @@ impl Renderer {
     ) -> Result<TimedFrames> {
         let factor = super::resolve::factor(options.samples)?;
         let fine = camera.scaled(factor)?;
-        let view = ViewConstants::new(&fine, &options.light, flags(options));
+        let view = ViewConstants::new(&fine, &options.light, flags(options), options.time);
         let mut taking = Taking::new(budget);
         match &self.on {
             Processor::Cpu => loop {

@@ -9,7 +9,7 @@ use super::json::{MeshJson, Primitive, Root, at};
 use super::material::Material;
 use super::morph;
 use super::vertex::{Vertices, read_vertices};
-use crate::mesh::{Mesh, smooth_normals};
+use crate::mesh::{CustomAttribute, Mesh, smooth_normals};
 use crate::{Error, Result};
 use std::collections::{BTreeMap, HashMap};
 
@@ -230,6 +230,7 @@ impl<'a> Meshes<'a> {
                 self.warnings,
             )?,
             target_weights: vec![],
+            custom: self.custom(blocks, element)?,
         };
         let lacks = |get: fn(&Vertices) -> bool| -> Vec<bool> {
             blocks
@@ -247,6 +248,37 @@ impl<'a> Meshes<'a> {
             self.add_tangents(&mut mesh, &without);
         }
         Ok(mesh)
+    }
+
+    /// Custom attributes of all blocks, 0 where a block lacks one. Where blocks disagree in the width, the widest counts.
+    fn custom(&self, blocks: &[Vertices], element: &str) -> Result<Vec<CustomAttribute>> {
+        let mut width: BTreeMap<&str, usize> = BTreeMap::new();
+        for custom in blocks.iter().flat_map(|b| &b.custom) {
+            let known = width.entry(&custom.name).or_default();
+            *known = custom.width.max(*known);
+        }
+        let vertices = blocks.iter().map(|b| b.positions.len()).sum::<usize>();
+        let mut out = Vec::new();
+        for (name, width) in width {
+            self.reader.charge(vertices, 4 * width, || element.into())?;
+            let mut values = Vec::with_capacity(vertices * width);
+            for block in blocks {
+                let own = block.custom.iter().find(|c| c.name == name);
+                for v in 0..block.positions.len() {
+                    let number = |k: usize| match own {
+                        Some(own) if k < own.width => own.values[v * own.width + k],
+                        _ => 0.0,
+                    };
+                    values.extend((0..width).map(number));
+                }
+            }
+            out.push(CustomAttribute {
+                name: name.to_owned(),
+                width,
+                values,
+            });
+        }
+        Ok(out)
     }
 
     /// Tangents for the triangles whose vertices have none, in the uv set of their normal map (the first without one).

@@ -4,7 +4,7 @@
 //! tangents, weights that are not negative and sum to one. What had to be repaired is told in a warning.
 
 use super::accessor::Reader;
-use crate::mesh::MorphTarget;
+use crate::mesh::{CustomAttribute, MorphTarget};
 use crate::{Error, Result};
 use std::collections::BTreeMap;
 
@@ -22,6 +22,7 @@ pub(super) struct Vertices {
     pub(super) joints: Option<Vec<[u16; 4]>>,
     pub(super) weights: Option<Vec<[f32; 4]>>,
     pub(super) targets: Vec<MorphTarget>,
+    pub(super) custom: Vec<CustomAttribute>,
 }
 
 /// What the attributes of one primitive are read with.
@@ -80,6 +81,7 @@ pub(super) fn read_vertices(
         ));
     }
     (out.joints, out.weights) = source.skin(warnings)?;
+    out.custom = source.custom(warnings)?;
     out.positions = positions;
     Ok(out)
 }
@@ -156,6 +158,33 @@ impl Source<'_> {
         Ok(Some(
             rgb.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect(),
         ))
+    }
+
+    /// Attributes whose names begin with an underscore; matrices are left out.
+    fn custom(&self, warnings: &mut Vec<String>) -> Result<Vec<CustomAttribute>> {
+        let mut out = Vec::new();
+        for (name, &accessor) in self.attributes.iter().filter(|(n, _)| n.starts_with('_')) {
+            let width = self.reader.check(accessor, String::new)?.components;
+            let values = match width {
+                1 => self.floats::<1>(name)?.map(Vec::into_flattened),
+                2 => self.floats::<2>(name)?.map(Vec::into_flattened),
+                3 => self.floats::<3>(name)?.map(Vec::into_flattened),
+                4 => self.floats::<4>(name)?.map(Vec::into_flattened),
+                _ => None,
+            };
+            match values {
+                Some(values) => out.push(CustomAttribute {
+                    name: name.clone(),
+                    width,
+                    values,
+                }),
+                None => warnings.push(format!(
+                    "{}.{name}: a matrix is not read: left out",
+                    self.element
+                )),
+            }
+        }
+        Ok(out)
     }
 
     /// JOINTS_0 and WEIGHTS_0.

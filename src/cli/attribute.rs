@@ -1,0 +1,91 @@
+//! What is shown in place of the material's base colour: `--attribute` and what goes with it.
+//!
+//! In: the options. Out: a [`Shown`], made ready for the model at hand.
+
+use invertex::Result;
+use invertex::attribute::{Attribute, OcclusionOptions, Shown, ShownOptions};
+use invertex::scene::Scene;
+
+use super::drawing::Mode;
+use super::progress::Bar;
+use super::{Common, bad_option};
+
+/// Options of attributes.
+#[derive(clap::Args)]
+pub(super) struct Showing {
+    /// Show this in place of the material's base colour: base-color, emissive, color (COLOR_0), triangle-color, material,
+    /// part; or data, never lit: normal, normal-map, metallic-roughness, occlusion-map, occlusion (cast here), a custom
+    /// attribute of the file as _NAME or _NAME:LOW..HIGH. `flat:` before color, occlusion or _NAME takes each triangle's
+    /// first corner. A*B is the product, at most four.
+    #[arg(
+        long,
+        value_name = "NAME[*NAME..]",
+        help_heading = "Attribute",
+        allow_hyphen_values = true
+    )]
+    attribute: Option<String>,
+    /// Rays of each vertex for the attribute occlusion. Default: 128.
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "attribute",
+        help_heading = "Attribute"
+    )]
+    occlusion_samples: Option<u32>,
+    /// How far they reach, in diagonals of the model. Default: 0.5.
+    #[arg(
+        long,
+        value_name = "X",
+        requires = "attribute",
+        help_heading = "Attribute",
+        allow_hyphen_values = true
+    )]
+    occlusion_reach: Option<f32>,
+}
+
+impl Showing {
+    /// The attribute, if one is asked for and `mode` shows any.
+    ///
+    /// # Errors
+    /// [`invertex::Error::Option`] for one that does not exist, or a mode that shows none.
+    pub(super) fn attribute(&self, mode: Mode) -> Result<Option<Attribute>> {
+        let attribute: Option<Attribute> = self.attribute.as_deref().map(str::parse).transpose()?;
+        match (&attribute, mode) {
+            (None, _) | (_, Mode::Reference | Mode::Igt) => Ok(attribute),
+            (Some(shown), Mode::Wireframe) if !shown.is_data() => Ok(attribute),
+            (Some(shown), Mode::Wireframe) => {
+                let reason = format!("{shown} is data, which --mode wireframe does not draw over");
+                Err(bad_option("--attribute", reason))
+            }
+            _ => Err(bad_option(
+                "--attribute",
+                "is shown by --mode reference, igt and wireframe",
+            )),
+        }
+    }
+
+    /// `attribute` made ready for `scene`, with a bar where it takes long.
+    ///
+    /// # Errors
+    /// Those of [`Shown::new`].
+    pub(super) fn shown(
+        &self,
+        attribute: Option<&Attribute>,
+        scene: &Scene,
+        common: &Common,
+    ) -> Result<Option<Shown>> {
+        let Some(attribute) = attribute else {
+            return Ok(None);
+        };
+        let usual = OcclusionOptions::default();
+        let options = ShownOptions {
+            occlusion: OcclusionOptions {
+                samples: self.occlusion_samples.unwrap_or(usual.samples),
+                reach: self.occlusion_reach.unwrap_or(usual.reach),
+            },
+        };
+        let bar = Bar::new(common, 1);
+        let heard = |done: usize, of: usize| bar.at("occlusion", done as u64, of as u64);
+        Shown::new(scene, attribute, &options, &heard).map(Some)
+    }
+}
