@@ -3,19 +3,7 @@
 
 mod cli_support;
 
-use cli_support::{Ball, Folder, command, invertex, run};
-
-/// A built ball in a folder of its own.
-fn built() -> (Folder, String, String) {
-    let folder = Folder::new();
-    let model = folder.write("ball.glb", &Ball::default().glb());
-    let out = folder.at("built.glb");
-    invertex(&[
-        "build", &model, "-o", &out, "--device", "cpu", "--lods", "0.5,0.2",
-    ])
-    .ok();
-    (folder, model, out)
-}
+use cli_support::{Ball, Folder, built_ball, command, invertex, run};
 
 #[test]
 fn files_that_are_missing_or_are_not_models() {
@@ -114,7 +102,7 @@ fn options_out_of_range() {
 
 #[test]
 fn outputs_that_cannot_be_written() {
-    let (folder, model, built) = built();
+    let (folder, model, built) = built_ball();
     let gone = folder.at("gone/out.glb");
     invertex(&["build", &model, "-o", &gone, "--device", "cpu"])
         .fails(3, &["gone", "does not exist"]);
@@ -137,7 +125,7 @@ fn a_full_disk() {
     if !std::path::Path::new("/dev/full").exists() {
         return println!("SKIPPED: no /dev/full here");
     }
-    let (_folder, model, built) = built();
+    let (_folder, model, built) = built_ball();
     // As a link, so that the name can end as it must.
     let link = |name: &str, folder: &Folder| {
         std::os::unix::fs::symlink("/dev/full", folder.path().join(name)).unwrap();
@@ -168,7 +156,7 @@ fn a_full_disk() {
 
 #[test]
 fn tables_that_were_tampered_with() {
-    let (folder, _, built) = built();
+    let (folder, _, built) = built_ball();
     let good = std::fs::read(&built).unwrap();
     invertex(&[
         "query",
@@ -255,7 +243,7 @@ fn devices_that_are_not_there() {
 
 #[test]
 fn questions_that_make_no_sense() {
-    let (folder, model, built) = built();
+    let (folder, model, built) = built_ball();
     let points = folder.write("points.csv", b"0.5,0.5\nu,v\n");
     let uv = folder.at("uv.glb");
     invertex(&[

@@ -2,20 +2,8 @@
 
 mod cli_support;
 
-use cli_support::{Ball, Folder, invertex};
+use cli_support::{Ball, Folder, built_ball, invertex};
 use serde_json::Value;
-
-/// A built ball, and the folder that holds it.
-fn ball() -> (Folder, String) {
-    let folder = Folder::new();
-    let model = folder.write("ball.glb", &Ball::default().glb());
-    let out = folder.at("built.glb");
-    invertex(&[
-        "build", &model, "-o", &out, "--device", "cpu", "--lods", "0.5,0.2",
-    ])
-    .ok();
-    (folder, out)
-}
 
 const RUN_KEYS: [&str; 13] = [
     "mesh",
@@ -35,7 +23,7 @@ const RUN_KEYS: [&str; 13] = [
 
 #[test]
 fn the_command_line_gives_what_it_promises() {
-    let (folder, built) = ball();
+    let (folder, _, built) = built_ball();
     let out = folder.at("report");
     let trace = folder.at("trace.json");
     let json = invertex(&[
@@ -137,7 +125,7 @@ fn several_meshes_are_drawn_one_by_one_and_together() {
 
 #[test]
 fn memory_alone_needs_no_drawing_and_takes_many_files() {
-    let (folder, built) = ball();
+    let (folder, _, built) = built_ball();
     let again = folder.at("again.glb");
     std::fs::copy(&built, &again).unwrap();
     let json = invertex(&["profile", &built, &again, "--table1", "--json"])
@@ -160,7 +148,7 @@ fn memory_alone_needs_no_drawing_and_takes_many_files() {
 
 #[test]
 fn what_cannot_be_profiled_is_said() {
-    let (folder, built) = ball();
+    let (folder, _, built) = built_ball();
     let plain = folder.write("plain.glb", &Ball::default().glb());
     let missing = folder.at("missing.glb");
     let with = |more: &[&str]| {
@@ -195,7 +183,7 @@ fn what_cannot_be_profiled_is_said() {
 
 #[test]
 fn tables_of_another_mesh_are_refused() {
-    let (folder, built) = ball();
+    let (folder, _, built) = built_ball();
     let bytes = std::fs::read(&built).unwrap();
     let json_length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
     // The reference's positions stand at the beginning of the binary chunk; the tables behind them stay as they are.

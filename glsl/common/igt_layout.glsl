@@ -30,6 +30,16 @@ IgtTables igt_tables(uvec4 words, uvec2 window) {
                      uvec2(window.x & 0xffffu, window.x >> 16), uvec2(window.y & 0xffffu, window.y >> 16));
 }
 
+// What the includer knows of all its tables when a pipeline is made (specialization constants), IGT_ANY where it does not:
+// a compiler then leaves out what other tables need.
+#define IGT_ANY 255u
+IgtTables igt_known(IgtTables t, uint line, uint table_layout, uint record) {
+    if (line != IGT_ANY) t.line = line;
+    if (table_layout != IGT_ANY) t.table_layout = table_layout;
+    if (record != IGT_ANY) t.record = record;
+    return t;
+}
+
 struct IgtTriangle {
     ivec3 v0, v1, v2;
 };

@@ -4,8 +4,17 @@
 //   uvec4 igt_attribute_uv(uint i)         the artist's uv of a triangle's corners
 //   float igt_attribute_float(uint i)      a word of the vertices
 //   uint  igt_material_word(uint i)        a word of the material records
+// It may define what it knows before the shader is compiled (specialization constants), so that a compiler leaves code out:
+//   IGT_KNOWN_SLOTS     bits of the texture slots that some material uses
+//   IGT_KNOWN_RECORDED  whether the triangles' records hold the uv of all of them
 #ifndef IGT_SURFACE
 #define IGT_SURFACE
+#ifndef IGT_KNOWN_SLOTS
+#define IGT_KNOWN_SLOTS 31u
+#endif
+#ifndef IGT_KNOWN_RECORDED
+#define IGT_KNOWN_RECORDED false
+#endif
 #include "common/texture.glsl"
 
 const uint IGT_MATERIAL_WORDS = 64u;
@@ -14,6 +23,8 @@ const uint IGT_SLOT_WORDS = 8u;
 const uint IGT_NO_TEXTURE = 0xffffffffu;
 const float IGT_STEEP = 1e6;
 const uint IGT_RECORD_AT = 14u;
+const uint IGT_FLAGS_AT = 13u;
+const uint IGT_USED_SHIFT = 8u;
 const uint IGT_NO_RECORD = 0xffffffffu;
 
 // A point of the reference and how its barycentrics change to the next pixel in x and in y, where that has a meaning.
@@ -85,7 +96,8 @@ IgtUvGradient igt_slot_uv(uvec4 corner, uvec4 record, uint at, IgtSurfacePoint p
     vec4 m = vec4(igt_material_float(at + 2u), igt_material_float(at + 3u), igt_material_float(at + 4u), igt_material_float(at + 5u));
     vec2 shift = vec2(igt_material_float(at + 6u), igt_material_float(at + 7u));
     IgtCornerUv corners = igt_uv_record(record);
-    bool recorded = record.w != IGT_NO_RECORD && word == igt_material_word(corner.w * IGT_MATERIAL_WORDS + IGT_RECORD_AT);
+    bool recorded = IGT_KNOWN_RECORDED ||
+                    (record.w != IGT_NO_RECORD && word == igt_material_word(corner.w * IGT_MATERIAL_WORDS + IGT_RECORD_AT));
     if (!recorded) corners = igt_vertex_uv(corner, word);
     vec2 c = igt_weighted_uv(corners, p.b), cx = igt_weighted_uv(corners, p.dx), cy = igt_weighted_uv(corners, p.dy);
     precise vec2 uv = vec2(m.x * c.x + m.y * c.y + shift.x, m.z * c.x + m.w * c.y + shift.y);
@@ -110,7 +122,7 @@ vec3 igt_two_level_normal(uvec4 corner, IgtSurfacePoint p, vec4 texel, vec4 worl
     vec3 n = igt_unit3(vec3(igt_dot3(normal[0].xyz, object), igt_dot3(normal[1].xyz, object), igt_dot3(normal[2].xyz, object)),
                        vec3(0.0, 0.0, 1.0));
     uint slot = corner.w * IGT_MATERIAL_WORDS + IGT_SLOTS_AT + 2u * IGT_SLOT_WORDS;
-    if (igt_material_word(slot) == IGT_NO_TEXTURE) {
+    if ((IGT_KNOWN_SLOTS & 4u) == 0u || igt_material_word(slot) == IGT_NO_TEXTURE) {
         return n;
     }
     object = igt_weighted3(corner, 3u, p.b);
@@ -139,9 +151,11 @@ IgtSurface igt_surface(IgtSurfacePoint p, vec4 world[3], vec4 normal[3]) {
     vec4 bump = vec4(0.5, 0.5, 1.0, 1.0);
     float occluded = 1.0;
     vec3 glow = vec3(1.0);
-    // One copy of the sampling code for all slots.
-    for (uint slot = 0u; slot < 5u; slot++) {
-        vec4 value = igt_slot(corner, record, slot, p, slot == 2u ? bump : vec4(1.0));
+    // One copy of the sampling code for all slots, and only the material's own: where branches are not taken apart, a slot
+    // without a texture would cost as much as one that has it.
+    for (uint rest = igt_material_word(m + IGT_FLAGS_AT) >> IGT_USED_SHIFT; rest != 0u; rest &= rest - 1u) {
+        uint slot = uint(findLSB(rest));
+        vec4 value = igt_slot(corner, record, slot, p, vec4(1.0));
         if (slot == 0u) texel = value;
         if (slot == 1u) orm = value;
         if (slot == 2u) bump = value;
@@ -164,7 +178,7 @@ IgtSurface igt_surface(IgtSurfacePoint p, vec4 world[3], vec4 normal[3]) {
     s.occlusion = occlusion;
     s.bump = bump.xyz;
     s.masked = igt_material_word(m + 12u) == 1u && base.w < igt_material_float(m + 11u);
-    s.unlit = igt_material_word(m + 13u) != 0u;
+    s.unlit = (igt_material_word(m + IGT_FLAGS_AT) & 1u) != 0u;
     return s;
 }
 

@@ -91,6 +91,7 @@ Correspondence inverse_at(uint draw, uint asker, ivec3 query, ivec3 query_x, ive
     igt_triangle_base = draws.records[draw].igt[3];
     IgtTables tables = igt_tables(uvec4(draws.records[draw].igt[4], draws.records[draw].igt[5], draws.records[draw].igt[6], draws.records[draw].igt[7]),
                                  uvec2(draws.records[draw].igt[8], draws.records[draw].igt[9]));
+    tables = igt_known(tables, known_line, known_layout, known_record);
     query = clamp(query, ivec3(-QUERY_MAX), ivec3(QUERY_MAX));
     IgtFound found = igt_lookup(tables, query, asker, true);
     Correspondence r;
@@ -132,7 +133,10 @@ Correspondence inverse_at(uint draw, uint asker, ivec3 query, ivec3 query_x, ive
 
 #ifndef RENDER_FORWARD
 Correspondence correspond(uint draw, Drawn drawn) {
-    if (draws.records[draw].correspondence == 0u) {
+    if (known_correspondence == 1u) {
+        return identity(draw, drawn);
+    }
+    if (known_correspondence == 3u && draws.records[draw].correspondence == 0u) {
         return identity(draw, drawn);
     }
     ivec3 v0 = t3.points[drawn.vertex.x].xyz;

@@ -3,9 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "render/draw.glsl"
-
-// Whether an attribute is shown in place of base colour: not 0.
-layout(constant_id = 16) const uint SHOWN = 0u;
+#include "render/known.glsl"
 
 layout(std430, binding = 0) readonly buffer Draws { DrawRecord records[]; } draws;
 layout(std430, binding = 1) readonly buffer Corners { uvec4 triangles[]; } corners;
@@ -90,7 +88,8 @@ void main() {
     vec3 b_y = dFdy(barycentric);
     uint draw = triangle.y;
     Correspondence found;
-    if (draws.records[draw].correspondence == 0u) {
+    bool itself = known_correspondence == 1u || (known_correspondence == 3u && draws.records[draw].correspondence == 0u);
+    if (itself) {
         found.point = IgtSurfacePoint(draws.records[draw].attribute_base + triangle.x, barycentric, b_x, b_y, true, true);
         found.known = true;
         found.fetches = 0u;
@@ -123,7 +122,7 @@ void main() {
         float stepped = (gl_FragCoord.z + back * view.away_z * gl_FragCoord.w) / (1.0 + back * view.away_w * gl_FragCoord.w);
         gl_FragDepth = max(gl_FragCoord.z, min(stepped, 1.0));
     }
-    if (SHOWN != 0u && found.known) {
+    if (known_shown && found.known) {
         igt_show(surface, found.point, found.point.triangle - draws.records[draw].attribute_base);
     }
     colour = (view.flags & 3u) == 2u ? vec4(surface.normal * 0.5 + 0.5, 1.0) : vec4(radiance(surface, world), 1.0);

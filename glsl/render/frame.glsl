@@ -12,7 +12,7 @@ struct Frame {
 Frame frame_at(uint draw, uvec3 vertex, vec3 b) {
     Frame frame;
     uint frames = draws.records[draw].frames;
-    if (frames == 0u) {
+    if (known_rigid || frames == 0u) {
         frame.world = draws.records[draw].world;
         frame.normal = draws.records[draw].normal;
         return frame;

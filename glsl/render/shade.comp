@@ -2,10 +2,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "render/cover.glsl"
+#include "render/known.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-
-// Whether an attribute is shown in place of base colour: not 0.
-layout(constant_id = 16) const uint SHOWN = 0u;
 
 layout(std430, binding = 0) readonly buffer Draws { DrawRecord records[]; } draws;
 layout(std430, binding = 1) readonly buffer Corners { uvec4 triangles[]; } corners;
@@ -39,6 +37,7 @@ uint igt_material_word(uint i) { return materials.words[i]; }
 // A texel's address says its shard; no shard is larger than 128 MiB.
 uint igt_texel_word(uint address) {
     uint at = address & 0x1ffffffu;
+    if (known_shards == 1u) return texels_0.words[at];
     switch (address >> 25) {
         case 0u: return texels_0.words[at];
         case 1u: return texels_1.words[at];
@@ -141,39 +140,31 @@ vec3 world_position(uint draw, uvec3 vertex, vec3 b) {
                 affine(draws.records[draw].world[2], p));
 }
 
-void write(uint pixel, vec4 value, uint code, uint triangle, uint draw, vec2 b, uint fetches, float depth) {
-    colour.words[pixel] = code;
-    linear.pixels[pixel] = value;
-    aov.words[pixel * 6u] = triangle;
-    aov.words[pixel * 6u + 1u] = draw;
-    aov.words[pixel * 6u + 2u] = floatBitsToUint(b.x);
-    aov.words[pixel * 6u + 3u] = floatBitsToUint(b.y);
-    aov.words[pixel * 6u + 4u] = fetches;
-    aov.words[pixel * 6u + 5u] = floatBitsToUint(depth);
+struct Shaded {
+    vec4 value;
+    uint code;
+    uint triangle;
+    uint draw;
+    vec2 b;
+    uint fetches;
+    float depth;
+};
+
+const Shaded UNCOVERED = Shaded(vec4(0.0), 0u, NOTHING, NOTHING, vec2(0.0), 0u, 1.0);
+
+void write(uint pixel, Shaded s) {
+    colour.words[pixel] = s.code;
+    linear.pixels[pixel] = s.value;
+    aov.words[pixel * 6u] = s.triangle;
+    aov.words[pixel * 6u + 1u] = s.draw;
+    aov.words[pixel * 6u + 2u] = floatBitsToUint(s.b.x);
+    aov.words[pixel * 6u + 3u] = floatBitsToUint(s.b.y);
+    aov.words[pixel * 6u + 4u] = s.fetches;
+    aov.words[pixel * 6u + 5u] = floatBitsToUint(s.depth);
 }
 
-void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    if (at.x >= int(view.width) || at.y >= int(view.height)) {
-        return;
-    }
-    uint pixel = uint(at.y) * view.width + uint(at.x);
-    uint id = imageLoad(ids, at).x;
-    if (id == NOTHING) {
-        write(pixel, vec4(0.0), 0u, NOTHING, NOTHING, vec2(0.0), 0u, 1.0);
-        return;
-    }
-    uint draw = draw_of_triangle(id);
-    uint local = id - draws.records[draw].first_triangle;
-    uvec4 corner = corners.triangles[draws.records[draw].corner_base + local];
-    uvec3 seen = corner.xyz - draws.records[draw].vertex_base + draws.records[draw].projected_base;
-    Projected v0 = projected.vertices[seen.x];
-    Projected v1 = projected.vertices[seen.y];
-    Projected v2 = projected.vertices[seen.z];
-    Edges here;
-    int sense = 0;
-    Drawn drawn;
-    // The pixel, then its neighbours in x and in y.
+// The pixel, then its neighbours in x and in y; false where the triangle does not cover the pixel.
+bool drawn_at(Projected v0, Projected v1, Projected v2, ivec2 at, out Drawn drawn, out Edges here, out int sense) {
     for (int k = 0; k < 3; k++) {
         Edges e = edges_at(v0, v1, v2, at.x + int(k == 1), at.y + int(k == 2));
         if (k == 0) {
@@ -183,8 +174,7 @@ void main() {
         vec3 b;
         bool seen = barycentric_of(e, sense, b);
         if (k == 0 && !seen) {
-            write(pixel, vec4(0.0), 0u, NOTHING, NOTHING, vec2(0.0), 0u, 1.0);
-            return;
+            return false;
         }
         if (k == 0) {
             drawn.b = b;
@@ -196,52 +186,87 @@ void main() {
             drawn.has_by = seen;
         }
     }
-    drawn.local = local;
-    drawn.vertex = corner.xyz;
-    drawn.asker = corner.w;
-    Correspondence found = correspond(draw, drawn);
-    float depth = depth_at(v0, v1, v2, drawn.b, 0.0);
-    uint triangle = NOTHING;
-    vec2 b = vec2(0.0);
-    IgtSurface surface = unknown_surface();
-    Frame frame = frame_at(draw, corner.xyz - draws.records[draw].vertex_base, drawn.b);
-    if (found.known) {
-        triangle = found.point.triangle - draws.records[draw].attribute_base;
-        b = found.point.b.yz;
-        surface = igt_surface(found.point, frame.world, frame.normal);
-    }
-    if (surface.masked) {
-        write(pixel, vec4(0.0), 0u, triangle, draw, b, found.fetches, depth);
-        return;
-    }
-    precise float turned = float(sense) * frame.normal[0].w;
-    if (turned > 0.0) {
-        surface.normal = -surface.normal;
-    }
-    if (SHOWN != 0u && found.known) {
-        igt_show(surface, found.point, triangle);
-    }
+    return true;
+}
+
+// What is written of a surface: a picture of numbers, or its light.
+void colour_of(inout Shaded s, IgtSurface surface, uint draw, Drawn drawn, Edges here) {
     uint kind = view.flags & 3u;
     bool data = (view.flags & FLAG_DATA) != 0u;
+    precise vec3 rgb;
     if (kind == OUTPUT_NORMALS || kind == OUTPUT_FETCHES || data) {
-        precise vec3 rgb;
         if (kind == OUTPUT_NORMALS) {
             rgb = surface.normal * 0.5 + vec3(0.5);
         } else if (data) {
             rgb = surface.base.xyz;
         } else {
-            precise float t = float(int(found.fetches)) / max(float(int(view.flags >> 8)), 1.0);
+            precise float t = float(int(s.fetches)) / max(float(int(view.flags >> 8)), 1.0);
             rgb = palette(t);
         }
-        uint code = igt_unit_encode(rgb.x) | (igt_unit_encode(rgb.y) << 8) | (igt_unit_encode(rgb.z) << 16) | 0xff000000u;
-        write(pixel, vec4(rgb, 1.0), code, triangle, draw, b, found.fetches, depth);
+        s.code = igt_unit_encode(rgb.x) | (igt_unit_encode(rgb.y) << 8) | (igt_unit_encode(rgb.z) << 16) | 0xff000000u;
+    } else {
+        rgb = radiance(surface, world_position(draw, drawn.vertex, drawn.b));
+        if ((view.flags & FLAG_WIREFRAME) != 0u) {
+            float line = wire(here);
+            rgb = rgb * (1.0 - line) + LINE * line;
+        }
+        s.code = srgb_encode(rgb.x) | (srgb_encode(rgb.y) << 8) | (srgb_encode(rgb.z) << 16) | 0xff000000u;
+    }
+    s.value = vec4(rgb, 1.0);
+}
+
+Shaded shaded(uint id, ivec2 at) {
+    Shaded s = UNCOVERED;
+    uint draw = draw_of_triangle(id);
+    uint local = id - draws.records[draw].first_triangle;
+    uvec4 corner = corners.triangles[draws.records[draw].corner_base + local];
+    uvec3 seen = corner.xyz - draws.records[draw].vertex_base + draws.records[draw].projected_base;
+    Projected v0 = projected.vertices[seen.x];
+    Projected v1 = projected.vertices[seen.y];
+    Projected v2 = projected.vertices[seen.z];
+    Edges here;
+    int sense = 0;
+    Drawn drawn;
+    if (!drawn_at(v0, v1, v2, at, drawn, here, sense)) {
+        return s;
+    }
+    drawn.local = local;
+    drawn.vertex = corner.xyz;
+    drawn.asker = corner.w;
+    Correspondence found = correspond(draw, drawn);
+    s.draw = draw;
+    s.fetches = found.fetches;
+    s.depth = depth_at(v0, v1, v2, drawn.b, 0.0);
+    IgtSurface surface = unknown_surface();
+    Frame frame = frame_at(draw, corner.xyz - draws.records[draw].vertex_base, drawn.b);
+    if (found.known) {
+        s.triangle = found.point.triangle - draws.records[draw].attribute_base;
+        s.b = found.point.b.yz;
+        surface = igt_surface(found.point, frame.world, frame.normal);
+    }
+    if (surface.masked) {
+        return s;
+    }
+    precise float turned = float(sense) * frame.normal[0].w;
+    if (turned > 0.0) {
+        surface.normal = -surface.normal;
+    }
+    if (known_shown && found.known) {
+        igt_show(surface, found.point, s.triangle);
+    }
+    colour_of(s, surface, draw, drawn, here);
+    return s;
+}
+
+void main() {
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (at.x >= int(view.width) || at.y >= int(view.height)) {
         return;
     }
-    precise vec3 rgb = radiance(surface, world_position(draw, drawn.vertex, drawn.b));
-    if ((view.flags & FLAG_WIREFRAME) != 0u) {
-        float line = wire(here);
-        rgb = rgb * (1.0 - line) + LINE * line;
+    uint id = imageLoad(ids, at).x;
+    Shaded s = UNCOVERED;
+    if (id != NOTHING) {
+        s = shaded(id, at);
     }
-    uint code = srgb_encode(rgb.x) | (srgb_encode(rgb.y) << 8) | (srgb_encode(rgb.z) << 16) | 0xff000000u;
-    write(pixel, vec4(rgb, 1.0), code, triangle, draw, b, found.fetches, depth);
+    write(uint(at.y) * view.width + uint(at.x), s);
 }

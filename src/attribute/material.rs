@@ -12,6 +12,9 @@ pub(crate) const SLOTS_AT: usize = 16;
 pub(crate) const SLOT_WORDS: usize = 8;
 /// Where a record says which uv triangles' records hold, as a word of a vertex.
 pub(crate) const RECORD_AT: usize = 14;
+/// Where a record says whether it is unlit (bit 0), and which slots have a texture (a bit each from this one on).
+pub(crate) const FLAGS_AT: usize = 13;
+pub(crate) const USED_SHIFT: u32 = 8;
 /// A slot without a texture.
 pub(crate) const NO_TEXTURE: u32 = u32::MAX;
 
@@ -125,13 +128,14 @@ impl Material {
             ],
         );
         words[12] = self.alpha as u32;
-        words[13] = u32::from(self.unlit);
+        words[FLAGS_AT] = u32::from(self.unlit);
         words[RECORD_AT] = self.recorded_uv(uv_sets);
         for (k, slot) in self.slots.iter().enumerate() {
             let at = SLOTS_AT + k * SLOT_WORDS;
             match slot {
                 Some(s) if (s.uv_set as usize) < uv_sets => {
                     words[at] = s.texture;
+                    words[FLAGS_AT] |= 1 << (USED_SHIFT + k as u32);
                     words[at + 1] = super::surface::UV_AT as u32 + 2 * s.uv_set;
                     let [u, v] = s.transform;
                     let rows = [u[0], u[1], v[0], v[1], u[2], v[2]];
@@ -147,10 +151,33 @@ impl Material {
 }
 
 impl AttributeSet {
+    /// The slots in which some material has a texture, a bit each.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn used_slots(&self) -> u32 {
+        let records = self.materials.chunks(MATERIAL_WORDS);
+        records
+            .map(|m| m[FLAGS_AT] >> USED_SHIFT)
+            .fold(0, |a, b| a | b)
+    }
+
+    /// Whether the triangles' uv records hold the uv of every texture of every material.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn all_recorded(&self) -> bool {
+        let of_record = |m: &[u32]| {
+            (0..5)
+                .filter(|k| m[FLAGS_AT] >> USED_SHIFT & 1 << k != 0)
+                .all(|k| m[SLOTS_AT + k * SLOT_WORDS + 1] == m[RECORD_AT])
+        };
+        self.materials.chunks(MATERIAL_WORDS).all(of_record)
+            && self
+                .triangles
+                .iter()
+                .all(|t| super::uv_record::is_one(t[1]))
+    }
+
     /// How many textures the material of triangle `triangle` reads.
     pub(crate) fn textures_of(&self, triangle: usize) -> u32 {
         let material = self.triangles[triangle][0][3] as usize * MATERIAL_WORDS;
-        let slot = |k: usize| self.materials[material + SLOTS_AT + k * SLOT_WORDS];
-        (0..5).filter(|&k| slot(k) != NO_TEXTURE).count() as u32
+        (self.materials[material + FLAGS_AT] >> USED_SHIFT).count_ones()
     }
 }

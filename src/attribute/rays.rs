@@ -150,11 +150,11 @@ mod tests {
             if i % 7 == 0 {
                 way = [0.0, way[1], 0.0];
             }
-            let brute = triangles.iter().any(|t| hit(t, begin, way, 0.4));
-            assert_eq!(rays.meets(begin, way, 0.4), brute, "{begin:?} {way:?}");
+            let brute = triangles.iter().any(|t| hit(t, begin, way, 0.8));
+            assert_eq!(rays.meets(begin, way, 0.8), brute, "{begin:?} {way:?}");
             met += u32::from(brute);
         }
-        assert!((200..1900).contains(&met), "{met}");
+        assert!((150..1900).contains(&met), "{met}");
         assert!(!Rays::new(vec![]).meets([0.0; 3], [1.0, 0.0, 0.0], 9.0));
     }
 }

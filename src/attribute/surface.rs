@@ -7,7 +7,9 @@
 //! its material and the artist's uv ([`uv_record`]); for a vertex normal, tangent, colour and the uv sets.
 
 use super::arithmetic::{V3, add3, cross3, dot3, mul3, scale3, unit3};
-use super::material::{MATERIAL_WORDS, Material, NO_TEXTURE, RECORD_AT, SLOT_WORDS, SLOTS_AT};
+use super::material::{
+    FLAGS_AT, MATERIAL_WORDS, Material, NO_TEXTURE, RECORD_AT, SLOT_WORDS, SLOTS_AT,
+};
 use super::sample::UvGradient;
 #[cfg(feature = "gpu")]
 use super::show::SHOWN_AT;
@@ -276,7 +278,7 @@ impl AttributeSet {
             occlusion: 1.0 + strength * (occlusion - 1.0),
             bump: [bump[0], bump[1], bump[2]],
             masked: self.materials[m as usize + 12] == 1 && base[3] < self.material_float(m + 11),
-            unlit: self.materials[m as usize + 13] != 0,
+            unlit: self.materials[m as usize + FLAGS_AT] & 1 != 0,
         }
     }
 

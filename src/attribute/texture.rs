@@ -127,6 +127,12 @@ impl TextureSet {
         self.records.is_empty()
     }
 
+    /// Shards that texels lie in, at least one.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn shards(&self) -> u32 {
+        self.texels.len().div_ceil(SHARD_WORDS).max(1) as u32
+    }
+
     /// The texels of shard `k`, to be uploaded as one buffer.
     #[cfg(feature = "gpu")]
     pub(crate) fn shard(&self, k: usize) -> &[u32] {

@@ -34,9 +34,14 @@ pub(crate) fn encode(uv: &CornerUv) -> [u32; 4] {
     [0, 1, 2, 3].map(|i| (bits >> (32 * i)) as u32)
 }
 
+/// Whether a triangle has a record.
+pub(crate) fn is_one(record: [u32; 4]) -> bool {
+    record[3] != NONE
+}
+
 /// The uv of a record; none where it is not one.
 pub(crate) fn decode(record: [u32; 4]) -> Option<CornerUv> {
-    if record[3] == NONE {
+    if !is_one(record) {
         return None;
     }
     let bits = (0..4).fold(0, |b, i| b | u128::from(record[i]) << (32 * i));

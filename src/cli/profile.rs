@@ -24,7 +24,7 @@ use super::{Common, bad_option, mesh_named, note, profile_report, profile_table}
 const SHARE: f64 = 0.1;
 /// Frames timed where --frames does not say, and the most seconds that they may take for one row.
 const FRAMES: u32 = 200;
-const SECONDS: f64 = 3.0;
+const SECONDS: f64 = 1.0;
 
 /// Say where fetches and time go: how many loads each pixel takes, and how long each pass.
 ///
@@ -69,8 +69,8 @@ pub(super) struct Profile {
         allow_hyphen_values = true
     )]
     view: Angles,
-    /// Frames timed for each row. Default: 200, or as many as 3 seconds allow (software devices, the processor) and never
-    /// fewer than 5; each row says how many.
+    /// Frames timed for each row. Default: 200, or as many as a second allows (software devices, the processor) and never
+    /// fewer than 3; each row says how many.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     frames: Option<u32>,
     /// Frames drawn before them.
@@ -343,7 +343,7 @@ impl Profile {
         let fewest = report.runs.iter().map(|run| run.frames).min().unwrap_or(0);
         if fewest < report.frames as usize {
             let text = format!(
-                "{fewest} frames of some rows instead of {}: they would have taken more than {SECONDS} seconds; --frames N \
+                "{fewest} frames of some rows instead of {}: they would have taken more than a second; --frames N \
                  draws N whatever they take",
                 report.frames
             );

@@ -246,11 +246,11 @@ pub(super) fn choose(found: Vec<Candidate>, choice: &DeviceChoice) -> Result<Can
         .into_iter()
         .filter(|one| matches(choice, &one.info))
         .collect();
-    // Stable: among equals the loader's order decides. Only `Auto` prefers a kind.
+    // Stable: among equals the loader's order decides. Only `Auto` prefers a kind, and the faster software.
     matching.sort_by_key(|one| {
         (
             !one.info.usable,
-            (*choice == DeviceChoice::Auto).then_some(one.info.kind),
+            (*choice == DeviceChoice::Auto).then_some((one.info.kind, is_slow(&one.info))),
         )
     });
     match matching.into_iter().next() {
@@ -264,6 +264,11 @@ pub(super) fn choose(found: Vec<Candidate>, choice: &DeviceChoice) -> Result<Can
             missing: one.info.missing.join(", "),
         }),
     }
+}
+
+/// SwiftShader takes 2 to 4 times as long as llvmpipe for our passes, and the loader often lists it first.
+fn is_slow(info: &DeviceInfo) -> bool {
+    info.name.contains("SwiftShader")
 }
 
 fn matches(choice: &DeviceChoice, info: &DeviceInfo) -> bool {

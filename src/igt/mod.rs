@@ -18,6 +18,7 @@ mod finish;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod gutter;
+mod known;
 pub mod layout;
 mod lookup;
 mod reference;
@@ -26,6 +27,7 @@ mod validate;
 pub use asker::{Asker, askers};
 pub use build::build_cpu;
 pub use gutter::{Asking, Needs};
+pub use known::KnownTables;
 pub use lookup::{Cost, Found};
 pub use reference::Reference;
 

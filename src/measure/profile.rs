@@ -45,7 +45,7 @@ impl Default for ProfileSettings {
             budget: FrameBudget {
                 warm_up: 5,
                 frames: 200,
-                seconds: Some(3.0),
+                seconds: Some(1.0),
             },
             forward: false,
             lit: true,

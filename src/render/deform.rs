@@ -86,29 +86,8 @@ fn turn(moving: &Deformation, rest: Rest, v: usize) -> DMat3 {
 mod tests {
     use super::*;
     use crate::mesh::MorphTarget;
+    use crate::scene::deform_samples::{rest, skinned};
     use glam::DMat4;
-
-    fn rest<'a>(
-        positions: &'a [[f32; 3]],
-        joints: &'a [[u16; 4]],
-        weights: &'a [[f32; 4]],
-    ) -> Rest<'a> {
-        Rest {
-            positions,
-            normals: &[[0.0, 0.0, 1.0]; 3],
-            joints,
-            weights,
-            targets: &[],
-        }
-    }
-
-    fn skinned(palette: Vec<DMat4>) -> Deformation<'static> {
-        Deformation {
-            palette: Some(palette),
-            weights: &[],
-            world: DMat4::from_translation(DVec3::splat(1e3)),
-        }
-    }
 
     #[test]
     fn frames_are_the_linear_parts_up_to_one_scale_and_know_what_is_mirrored() {

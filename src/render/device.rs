@@ -4,6 +4,7 @@
 //! everything it needs exists once a target of the right size does.
 
 use super::draw::{DrawRecord, Projected, ViewConstants};
+use super::known::Known;
 use super::picture::Picture;
 use super::shade::{Aov, NOTHING, Pixel};
 use crate::gpu::shaders::{render_project, render_raster, render_shade};
@@ -24,11 +25,10 @@ pub(crate) struct Device {
     pub(super) posed: Posed,
     arrays: Arrays,
     project: Bound<render_project::Shader>,
+    known: Known,
     draw_count: u32,
     vertex_count: u32,
     triangle_count: u32,
-    /// Whether an attribute is shown in place of base colour.
-    shown: bool,
     /// The last target, kept because most images of a run have one size.
     target: Mutex<Option<Target>>,
 }
@@ -118,10 +118,10 @@ impl Device {
             posed: Posed::new(context, &arrays),
             arrays,
             project,
+            known: Known::of(picture),
             draw_count: picture.draws.len() as u32,
             vertex_count: picture.vertex_count(),
             triangle_count: picture.triangle_count(),
-            shown: picture.attributes.is_shown(),
             target: Mutex::new(None),
         })
     }
@@ -160,9 +160,8 @@ impl Device {
                 projected: &a.projected,
             },
         )?;
-        let constants = [(render_shade::SHOWN, u32::from(self.shown))];
         let shade = context
-            .compute_with::<render_shade::Shader>(&constants)?
+            .compute_with::<render_shade::Shader>(&self.known.constants())?
             .bind(&render_shade::Bindings {
                 draws: &a.draws,
                 corners: &a.corners,

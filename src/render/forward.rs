@@ -6,13 +6,14 @@
 
 use super::device::{Arrays, Posed};
 use super::draw::ViewConstants;
+use super::known::Known;
 use super::picture::Picture;
 use super::shade::{Aov, NOTHING, Pixel};
 use crate::attribute::arithmetic::srgb_decode_table;
 use crate::attribute::texture::{
     FLAG_NEAREST, FLAG_NO_MIPS, FLAG_SRGB, LEVELS_AT, TEXTURE_WORDS, TextureSet,
 };
-use crate::gpu::shaders::render_forward::{Bindings, Push, SHOWN, Shader};
+use crate::gpu::shaders::render_forward::{Bindings, Push, Shader};
 use crate::gpu::{
     Bound, Clear, Context, GraphicsOptions, GraphicsPass, Image, ImageOptions, Sampler,
     SamplerOptions, Timings, vk,
@@ -75,8 +76,8 @@ impl Forward {
             depth_test: true,
         };
         let class = |k: usize| (&images[k].0, &images[k].1);
-        let constants = [(SHOWN, u32::from(picture.attributes.is_shown()))];
-        let pipeline = context.graphics_with::<Shader>(&options, &constants)?;
+        let known = Known::of(picture).constants();
+        let pipeline = context.graphics_with::<Shader>(&options, &known)?;
         let bound = pipeline.bind(&Bindings {
             draws: &a.draws,
             corners: &a.corners,

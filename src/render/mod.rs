@@ -23,6 +23,8 @@ mod draw;
 #[cfg(feature = "gpu")]
 mod forward;
 mod frame;
+#[cfg(feature = "gpu")]
+mod known;
 mod levels;
 mod light;
 mod picture;

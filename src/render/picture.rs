@@ -225,6 +225,7 @@ impl Picture {
     }
 
     /// Vertices projected, all instances counted.
+    #[cfg(feature = "gpu")]
     pub(crate) fn vertex_count(&self) -> u32 {
         self.vertices
     }

@@ -58,7 +58,7 @@ pub struct FrameBudget {
 
 impl FrameBudget {
     /// Frames that are timed however long they take.
-    pub const LEAST: u32 = 5;
+    pub const LEAST: u32 = 3;
 }
 
 impl Renderer {

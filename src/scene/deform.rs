@@ -202,11 +202,12 @@ fn blend(palette: &[DMat4], joints: [u16; 4], weights: [f32; 4]) -> DMat4 {
     }
 }
 
+/// Small deformations for tests of this and of [`crate::render`].
 #[cfg(test)]
-mod tests {
+pub(crate) mod samples {
     use super::*;
 
-    fn rest<'a>(
+    pub(crate) fn rest<'a>(
         positions: &'a [[f32; 3]],
         joints: &'a [[u16; 4]],
         weights: &'a [[f32; 4]],
@@ -220,13 +221,19 @@ mod tests {
         }
     }
 
-    fn skinned(palette: Vec<DMat4>) -> Deformation<'static> {
+    pub(crate) fn skinned(palette: Vec<DMat4>) -> Deformation<'static> {
         Deformation {
             palette: Some(palette),
             weights: &[],
             world: DMat4::from_translation(DVec3::splat(1e3)),
         }
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::samples::{rest, skinned};
+    use super::*;
 
     #[test]
     fn weights_blend_matrices_and_none_leaves_the_vertex_alone() {

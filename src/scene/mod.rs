@@ -32,6 +32,8 @@ mod vertex;
 
 pub(crate) use accessor::Reader;
 pub use animation::{Animation, Channel, Interpolation, Property, Skin, Track};
+#[cfg(test)]
+pub(crate) use deform::samples as deform_samples;
 pub(crate) use deform::{Deformation, Rest};
 pub use document::Document;
 pub(crate) use document::array;

@@ -257,3 +257,15 @@ pub(crate) fn models() -> Option<PathBuf> {
     );
     folder.is_dir().then_some(folder)
 }
+
+/// A ball, built, in a folder of its own: the folder, the model, the built file.
+pub(crate) fn built_ball() -> (Folder, String, String) {
+    let folder = Folder::new();
+    let model = folder.write("ball.glb", &Ball::default().glb());
+    let out = folder.at("built.glb");
+    invertex(&[
+        "build", &model, "-o", &out, "--device", "cpu", "--lods", "0.5,0.2",
+    ])
+    .ok();
+    (folder, model, out)
+}

@@ -6,12 +6,11 @@ mod build;
 mod cover;
 mod gutter;
 mod query;
-mod repeat;
+
 mod scan;
 
 pub use build::{Timed, build};
-pub use query::query;
-pub use repeat::repeat;
+pub use query::{query, repeat};
 
 /// Workgroups for `threads` threads of `size` each, spread over two dimensions (the first is limited to 65535).
 pub(super) fn groups(threads: u64, size: u64) -> [u32; 3] {

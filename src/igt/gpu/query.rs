@@ -2,7 +2,10 @@
 
 use super::super::{Asker, Cost, Found, Tables};
 use crate::error::Result;
-use crate::gpu::{Context, shaders::igt_query as pass};
+use crate::gpu::{Bound, Buffer, Context, Pipeline, Timings, shaders::igt_query as pass};
+
+/// Points of one dispatch: no buffer outgrows a device's storage range.
+const BLOCK: usize = 1 << 20;
 
 /// [`Tables::lookup_with_cost`] for many points on a device; the answers are the same, bit for bit.
 pub fn query(
@@ -15,39 +18,101 @@ pub fn query(
     if points.is_empty() {
         return Ok(Vec::new());
     }
-    let asker = asker.into().word();
-    let [line, how, bits, entries, at, size] = tables.shader_words();
-    let hash = context.upload("igt hash", &tables.hash)?;
-    let list = context.upload("igt lists", &tables.list)?;
-    let triangle = context.upload("igt triangles", &tables.triangle)?;
-    // Points go in blocks so that no buffer outgrows a device's storage range.
+    let loaded = Loaded::new(context, tables, points.len())?;
+    let asker = asker.into();
     let mut answers = Vec::with_capacity(points.len());
-    for block in points.chunks(1 << 20) {
-        let four: Vec<[i32; 4]> = block.iter().map(|p| [p[0], p[1], p[2], 0]).collect();
-        let points = context.upload("query points", &four)?;
-        let found = context.storage("answers", block.len() as u64 * 32)?;
-        let bindings = pass::Bindings {
-            hash: &hash,
-            list: &list,
-            triangle: &triangle,
-            points: &points,
-            found: &found,
-        };
-        let bound = context.compute::<pass::Shader>()?.bind(&bindings)?;
+    for block in points.chunks(BLOCK) {
+        let (bound, push) = loaded.block(block, asker, nearest)?;
         let mut recorder = context.recorder("query")?;
-        let push = pass::Push {
-            tables: [line, how, bits, entries],
-            window: [at, size],
-            count: block.len() as u32,
-            asker,
-            nearest: nearest.into(),
-        };
         recorder.dispatch(&bound, &push, super::groups(block.len() as u64, 64));
         context.run(recorder)?;
-        let words: Vec<[u32; 8]> = context.download(&found)?;
+        let words: Vec<[u32; 8]> = context.download(&loaded.found)?;
         answers.extend(words[..block.len()].iter().map(answer));
     }
     Ok(answers)
+}
+
+/// Looks `points` up again and again, nothing but the lookups in a frame; each frame's times go to `more`, until it says
+/// no. The answers stay on the device.
+pub fn repeat(
+    context: &Context,
+    tables: &Tables,
+    points: &[[i32; 3]],
+    asker: impl Into<Asker>,
+    mut more: impl FnMut(Timings) -> bool,
+) -> Result<()> {
+    let loaded = Loaded::new(context, tables, points.len())?;
+    let asker = asker.into();
+    let blocks = points.chunks(BLOCK);
+    let blocks = blocks.map(|block| loaded.block(block, asker, true));
+    let blocks = blocks.collect::<Result<Vec<_>>>()?;
+    loop {
+        let mut recorder = context.recorder("lookups")?;
+        for (bound, push) in &blocks {
+            recorder.dispatch(bound, push, super::groups(push.count.into(), 64));
+        }
+        if !more(context.run(recorder)?) {
+            return Ok(());
+        }
+    }
+}
+
+/// Tables on a device, and the pipeline made for them.
+struct Loaded<'a> {
+    context: &'a Context,
+    words: [u32; 6],
+    hash: Buffer,
+    list: Buffer,
+    triangle: Buffer,
+    /// The answers of one block.
+    found: Buffer,
+    pipeline: Pipeline<pass::Shader>,
+}
+
+impl<'a> Loaded<'a> {
+    fn new(context: &'a Context, tables: &Tables, points: usize) -> Result<Self> {
+        let [line, table_layout, record] = Tables::known([tables].into_iter()).words();
+        let constants = [
+            (pass::KNOWN_LINE, line),
+            (pass::KNOWN_LAYOUT, table_layout),
+            (pass::KNOWN_RECORD, record),
+        ];
+        Ok(Loaded {
+            context,
+            words: tables.shader_words(),
+            hash: context.upload("igt hash", &tables.hash)?,
+            list: context.upload("igt lists", &tables.list)?,
+            triangle: context.upload("igt triangles", &tables.triangle)?,
+            found: context.storage("answers", points.clamp(1, BLOCK) as u64 * 32)?,
+            pipeline: context.compute_with::<pass::Shader>(&constants)?,
+        })
+    }
+
+    /// A dispatch for at most [`BLOCK`] points.
+    fn block(
+        &self,
+        points: &[[i32; 3]],
+        asker: Asker,
+        nearest: bool,
+    ) -> Result<(Bound<pass::Shader>, pass::Push)> {
+        let [line, how, bits, entries, at, size] = self.words;
+        let four: Vec<[i32; 4]> = points.iter().map(|p| [p[0], p[1], p[2], 0]).collect();
+        let bound = self.pipeline.bind(&pass::Bindings {
+            hash: &self.hash,
+            list: &self.list,
+            triangle: &self.triangle,
+            points: &self.context.upload("query points", &four)?,
+            found: &self.found,
+        })?;
+        let push = pass::Push {
+            tables: [line, how, bits, entries],
+            window: [at, size],
+            count: points.len() as u32,
+            asker: asker.word(),
+            nearest: nearest.into(),
+        };
+        Ok((bound, push))
+    }
 }
 
 /// An answer of the shader.
