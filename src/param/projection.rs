@@ -21,10 +21,11 @@
 use super::grid::{QUERY_BITS, QUERY_SHIFT};
 
 /// A family of projection lines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Line {
     /// Lines along the third coordinate.
+    #[default]
     Parallel = 0,
     /// Half-lines from the third axis, perpendicular to it.
     Cylinder = 1,

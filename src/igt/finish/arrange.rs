@@ -1,17 +1,18 @@
 //! What becomes of a texel's list in the packed layout: its order, its masks, whether the texel is divided.
 //!
-//! In: a texel's triangles. Out: [`Arranged`]. The order is that of the share of the texel that each triangle covers: the
-//! most likely is tested first. Longer lists say for each other triangle where it is to be tested: in which regions around
-//! the first, or in which quadrants of the texel. A texel where many triangles of one layer meet is cut into smaller ones,
-//! again and again while that helps, so that no query tests many.
+//! In: a texel's triangles. Out: a head, and blocks and children where it needs some ([`Band`]). The order is that of the
+//! share of the texel that each triangle covers: the most likely is tested first. Longer lists say for each other triangle
+//! where it is to be tested: in which regions around the first, or in which quadrants of the texel. A texel where many
+//! triangles of one layer meet is cut into smaller ones, again and again while that helps, so that no query tests many.
 //!
 //! Where a texel, or a quadrant, is missed by all triangles of a layer, the nearest few of them serve its points, as in the
 //! gutter.
 
 use super::super::Reference;
-use super::super::layout::packed::{Kind, Masked, inline};
+use super::super::layout::packed::{EMPTY, Kind, MOST_INLINE, Masked, inline};
 use super::near;
-use super::sides::{Piece, apart, regions};
+use super::packed::Band;
+use super::ranked::{Ranked, piece};
 use super::weigh::{self, Corners};
 use crate::param::projection::Line;
 
@@ -23,35 +24,6 @@ const CROWDED: [usize; 2] = [16, 10];
 const MOST_COPIES: usize = 3;
 /// How often a texel is divided at most.
 const MOST_DIVISIONS: u32 = 3;
-/// A texel of which so much is covered has hardly a point outside of all triangles.
-const FULLY: f64 = 1.0 - 1e-6;
-/// Longer lists are not looked at pair by pair: they count as overlapping.
-const MOST_PAIRED: usize = 64;
-
-/// A texel's list, ready to be laid out.
-#[derive(Debug, PartialEq)]
-pub(super) enum Arranged {
-    /// No triangle.
-    Empty,
-    /// Triangles that fit a head, single and of one layer, the most likely first.
-    Short(Vec<u32>),
-    /// Another list.
-    Long {
-        /// The entry of the most likely triangle.
-        first: u32,
-        /// The others, the most likely first.
-        rest: Vec<Masked>,
-        /// What kind of list.
-        kind: Kind,
-    },
-    /// The texel is cut into `2^by` x `2^by`.
-    Divided {
-        /// log2 of the parts along a side.
-        by: u32,
-        /// The parts, row by row.
-        children: Vec<Arranged>,
-    },
-}
 
 /// A texel of a table of `2^bits` squared ones.
 #[derive(Clone, Copy)]
@@ -89,178 +61,148 @@ impl Texel {
     }
 }
 
-/// Lists up to this long are put in order one by one.
-const SHORT: usize = 8;
-
-/// A triangle of a texel and the share of the texel that it covers.
-struct Weighed {
-    share: f64,
-    triangle: u32,
-    piece: Piece,
+/// A texel with its triangles.
+#[derive(Clone, Copy)]
+struct Listed<'a> {
+    texel: Texel,
+    /// Those that touch the texel.
+    own: &'a [u32],
+    /// Those that serve points outside of all.
+    more: &'a [u32],
 }
 
-/// Arranges the texels of a reference's tables.
+impl Listed<'_> {
+    fn all(&self) -> impl Iterator<Item = u32> {
+        self.own.iter().chain(self.more).copied()
+    }
+}
+
+/// Arranges the texels of a band of a reference's tables; has its workspace.
 pub(super) struct Arranger<'a> {
     reference: &'a Reference,
     line: Line,
+    ranked: Ranked<'a>,
+    entries: Vec<Masked>,
 }
 
 impl<'a> Arranger<'a> {
     pub(super) fn new(reference: &'a Reference) -> Self {
+        let line = reference.primary.line();
         Arranger {
             reference,
-            line: reference.primary.line(),
+            line,
+            ranked: Ranked::new(reference),
+            entries: Vec::new(),
         }
     }
 
-    /// `own`: the triangles that touch the texel; `more`: those that serve points outside of all.
-    pub(super) fn texel(&self, texel: Texel, own: &[u32], more: &[u32]) -> Arranged {
-        self.arrange(texel, own, more, MOST_DIVISIONS)
+    /// The head of a texel; blocks and children go to `out`. `own`: the triangles that touch the texel; `more`: those that
+    /// serve points outside of all.
+    pub(super) fn texel(&mut self, texel: Texel, own: &[u32], more: &[u32], out: &mut Band) -> u64 {
+        self.arrange(Listed { texel, own, more }, MOST_DIVISIONS, out)
     }
 
-    fn arrange(&self, texel: Texel, own: &[u32], more: &[u32], divisions: u32) -> Arranged {
-        match own.len() + more.len() {
-            0 => Arranged::Empty,
-            1 => Arranged::Short(own.iter().chain(more).copied().collect()),
-            _ => self.several(texel, own, more, divisions),
+    fn arrange(&mut self, listed: Listed<'_>, divisions: u32, out: &mut Band) -> u64 {
+        match (listed.own, listed.more) {
+            ([], []) => EMPTY,
+            ([one], []) | ([], [one]) => out.short(self.reference.format, &[*one]),
+            _ => self.several(listed, divisions, out),
         }
     }
 
-    fn several(&self, texel: Texel, own: &[u32], more: &[u32], divisions: u32) -> Arranged {
+    fn several(&mut self, listed: Listed<'_>, divisions: u32, out: &mut Band) -> u64 {
+        let Listed { texel, own, more } = listed;
         let crowd = self.largest_layer(own);
         let [sorted, others] = CROWDED;
         if crowd > sorted
-            && let Some(divided) = self.divided(crowd, texel, own, more, divisions)
+            && let Some(divided) = self.divided(crowd, listed, divisions, out)
         {
             return divided;
         }
-        let weighed = self.weighed(texel, own);
+        self.ranked.rank(texel.bits, texel.place(), own);
+        let sortable = more.is_empty() && self.sortable();
         if (others + 1..=sorted).contains(&crowd)
-            && !self.sortable(&weighed, more)
-            && let Some(divided) = self.divided(crowd, texel, own, more, divisions)
+            && !sortable
+            && let Some(divided) = self.divided(crowd, listed, divisions, out)
         {
             return divided;
         }
-        self.list(texel, &weighed, more)
-    }
-
-    /// The triangles of a texel, the one that covers most of it first.
-    fn weighed(&self, texel: Texel, own: &[u32]) -> Vec<Weighed> {
-        let corners = texel.corners(self.line);
-        let mut weighed: Vec<Weighed> = own
-            .iter()
-            .map(|&triangle| {
-                let piece = self.piece(triangle);
-                let share = weigh::coverage(&piece.at_corners(&corners));
-                Weighed {
-                    share,
-                    triangle,
-                    piece,
-                }
-            })
-            .collect();
-        // Short, and elements are large: the largest is looked for rather than elements moved about.
-        for first in 0..weighed.len().min(SHORT) {
-            let before = |a: &Weighed, b: &Weighed| {
-                a.share > b.share || a.share == b.share && a.triangle < b.triangle
-            };
-            let rest = &weighed[first..];
-            let best = (1..rest.len()).fold(0, |best, i| {
-                if before(&rest[i], &rest[best]) {
-                    i
-                } else {
-                    best
-                }
-            });
-            weighed.swap(first, first + best);
-        }
-        if let Some(rest) = weighed.get_mut(SHORT..) {
-            rest.sort_unstable_by(|a, b| {
-                let by_share = b.share.total_cmp(&a.share);
-                by_share.then(a.triangle.cmp(&b.triangle))
-            });
-        }
-        weighed
+        self.list(listed, sortable, out)
     }
 
     /// Regions tell triangles apart that lines meet. Points that none meets want the nearest of all: where there may be such
     /// the list is not sorted.
-    fn sortable(&self, own: &[Weighed], more: &[u32]) -> bool {
-        let covered: f64 = own.iter().map(|w| w.share).sum();
-        let one_layer = own
-            .windows(2)
-            .all(|w| self.layer(w[0].triangle) == self.layer(w[1].triangle));
-        more.is_empty() && one_layer && covered > FULLY && own[0].share > 0.0
-    }
-
-    fn piece(&self, triangle: u32) -> Piece {
-        let vertices = self.reference.triangles[triangle as usize];
-        Piece::new(
-            self.line,
-            vertices,
-            self.reference.corners(triangle as usize),
-        )
+    fn sortable(&mut self) -> bool {
+        let order = self.ranked.order();
+        let one_layer = self.reference.format.layer_bits == 0
+            || order
+                .windows(2)
+                .all(|w| self.layer(w[0].triangle) == self.layer(w[1].triangle));
+        one_layer && self.ranked.cover_all()
     }
 
     fn layer(&self, triangle: u32) -> u8 {
         self.reference.layer[triangle as usize]
     }
 
-    fn list(&self, texel: Texel, own: &[Weighed], more: &[u32]) -> Arranged {
-        let near = if more.is_empty() {
+    fn list(&mut self, listed: Listed<'_>, sortable: bool, out: &mut Band) -> u64 {
+        let reference = self.reference;
+        let near = if listed.more.is_empty() {
             Vec::new()
         } else {
-            self.nearest_of_layers(&texel.corners(self.line), more, &[])
+            self.nearest_of_layers(&listed.texel.corners(self.line), listed.more, &[])
         };
-        let single = self.is_single(own);
-        let mut layers = own.iter().map(|w| w.triangle).chain(more.iter().copied());
+        let single = self.ranked.is_single();
+        let mut layers = listed.all();
         let first = layers.next().map(|t| self.layer(t));
-        let mixed = layers.any(|t| Some(self.layer(t)) != first);
-        let fits = own.len() + near.len() <= inline(self.reference.format.id_bits) as usize;
-        if fits && single && !mixed {
-            return Arranged::Short(own.iter().map(|w| w.triangle).chain(near).collect());
+        let mixed =
+            reference.format.layer_bits != 0 && layers.any(|t| Some(self.layer(t)) != first);
+        let count = listed.own.len() + near.len();
+        if count <= inline(reference.format.id_bits) as usize && single && !mixed {
+            let mut entries = [0; MOST_INLINE as usize];
+            let own = self.ranked.order().iter().map(|w| w.triangle);
+            let all = own.chain(near);
+            entries.iter_mut().zip(all).for_each(|(e, t)| *e = t);
+            return out.short(reference.format, &entries[..count]);
         }
-        let sorted = self.sortable(own, more);
-        let mut entries = if sorted {
-            self.sorted(own)
+        self.entries.clear();
+        if sortable {
+            self.sorted();
         } else {
-            self.quartered(texel, own, more, mixed)
-        };
-        let first = entries.remove(0).entry;
+            self.quartered(listed, mixed);
+        }
         let kind = Kind {
             single,
             mixed,
-            sorted,
+            sorted: sortable,
         };
-        Arranged::Long {
-            first,
-            rest: entries,
-            kind,
-        }
+        out.long(reference.format, &self.entries, kind)
     }
 
     /// Entries with the regions around the first triangle in which they are to be tested.
-    fn sorted(&self, own: &[Weighed]) -> Vec<Masked> {
-        own.iter()
-            .map(|w| Masked {
-                entry: self.reference.format.entry(false, w.triangle, 0),
-                mask: regions(&own[0].piece, &w.piece),
-            })
-            .collect()
+    fn sorted(&mut self) {
+        let format = self.reference.format;
+        for i in 0..self.ranked.order().len() {
+            let mask = self.ranked.regions(i);
+            let triangle = self.ranked.order()[i].triangle;
+            let entry = format.entry(false, triangle, 0);
+            self.entries.push(Masked { entry, mask });
+        }
     }
 
     /// Entries with the quadrants in which they are to be tested; the first is tested everywhere.
-    fn quartered(&self, texel: Texel, own: &[Weighed], more: &[u32], mixed: bool) -> Vec<Masked> {
-        let own_ids = own.iter().map(|w| w.triangle);
-        let all: Vec<u32> = own_ids.chain(more.iter().copied()).collect();
+    fn quartered(&mut self, listed: Listed<'_>, mixed: bool) {
+        let own_ids = self.ranked.order().iter().map(|w| w.triangle);
+        let all: Vec<u32> = own_ids.chain(listed.more.iter().copied()).collect();
         let mut masks = vec![0u32; all.len()];
+        let mut here = Vec::with_capacity(all.len());
         for quadrant in 0..4 {
-            let corners = texel.child(1, quadrant).corners(self.line);
-            let mut here = Vec::new();
-            for (w, mask) in own.iter().zip(&mut masks) {
-                if weigh::touches(self.line, &w.piece.at_corners(&corners)) {
+            let corners = listed.texel.child(1, quadrant).corners(self.line);
+            here.clear();
+            for (i, mask) in masks[..listed.own.len()].iter_mut().enumerate() {
+                if weigh::touches(self.line, &self.ranked.piece(i).at_corners(&corners)) {
                     *mask |= 1 << quadrant;
-                    here.push(w.triangle);
+                    here.push(all[i]);
                 }
             }
             for t in self.nearest_of_layers(&corners, &all, &here) {
@@ -268,18 +210,18 @@ impl<'a> Arranger<'a> {
                 found.into_iter().for_each(|i| masks[i] |= 1 << quadrant);
             }
         }
+        let (reference, format) = (self.reference, self.reference.format);
         let listed = all.iter().zip(masks).filter(|(_, mask)| *mask != 0);
-        listed
-            .map(|(t, mask)| Masked {
-                entry: self.reference.format.entry(mixed, *t, self.layer(*t)),
-                mask,
-            })
-            .collect()
+        self.entries.extend(listed.map(|(t, mask)| Masked {
+            entry: format.entry(mixed, *t, reference.layer[*t as usize]),
+            mask,
+        }));
     }
 
     /// Of each layer among `candidates` that none of `here` has: the triangles nearest to the middle of `corners`.
     fn nearest_of_layers(&self, corners: &Corners, candidates: &[u32], here: &[u32]) -> Vec<u32> {
-        if candidates.is_empty() {
+        let one_layer = self.reference.format.layer_bits == 0;
+        if candidates.is_empty() || one_layer && !here.is_empty() {
             return Vec::new();
         }
         let mut missing: Vec<(u8, u32)> = candidates
@@ -300,24 +242,14 @@ impl<'a> Arranger<'a> {
             .collect()
     }
 
-    /// Whether no two triangles of a layer have a line in common.
-    fn is_single(&self, list: &[Weighed]) -> bool {
-        let apart = |a: &Weighed, b: &Weighed| {
-            self.layer(a.triangle) != self.layer(b.triangle) || apart(&a.piece, &b.piece)
-        };
-        let pairs_apart = |i: usize| list[..i].iter().all(|other| apart(&list[i], other));
-        list.len() <= MOST_PAIRED && (0..list.len()).all(pairs_apart)
-    }
-
     /// The texel cut into parts, where that is worth while.
     fn divided(
-        &self,
+        &mut self,
         crowd: usize,
-        texel: Texel,
-        own: &[u32],
-        more: &[u32],
+        listed: Listed<'_>,
         left: u32,
-    ) -> Option<Arranged> {
+        out: &mut Band,
+    ) -> Option<u64> {
         let by = match crowd {
             0..24 => 1,
             24..96 => 2,
@@ -329,17 +261,17 @@ impl<'a> Arranger<'a> {
         }
         tries
             .iter()
-            .find_map(|by| self.divided_by(*by, texel, own, more, left))
+            .find_map(|by| self.divided_by(*by, listed, left, out))
     }
 
     fn divided_by(
-        &self,
+        &mut self,
         by: u32,
-        texel: Texel,
-        own: &[u32],
-        more: &[u32],
+        listed: Listed<'_>,
         left: u32,
-    ) -> Option<Arranged> {
+        out: &mut Band,
+    ) -> Option<u64> {
+        let Listed { texel, own, .. } = listed;
         if texel.bits + by > MAX_BITS {
             return None;
         }
@@ -350,7 +282,7 @@ impl<'a> Arranger<'a> {
         let mut lists = vec![Vec::new(); parts as usize];
         let mut room = own.len() * MOST_COPIES;
         for t in own {
-            let piece = self.piece(*t);
+            let piece = piece(self.reference, *t);
             for (corners, list) in corners.iter().zip(&mut lists) {
                 if weigh::touches(self.line, &piece.at_corners(corners)) {
                     room = room.checked_sub(1)?;
@@ -362,14 +294,19 @@ impl<'a> Arranger<'a> {
             // They all meet in one place.
             return None;
         }
-        let all: Vec<u32> = own.iter().chain(more).copied().collect();
-        let children = (0..parts as usize)
-            .map(|i| {
-                let more = self.nearest_of_layers(&corners[i], &all, &lists[i]);
-                self.arrange(texel.child(by, i as u32), &lists[i], &more, left - 1)
-            })
-            .collect();
-        Some(Arranged::Divided { by, children })
+        let all: Vec<u32> = listed.all().collect();
+        let first = out.divide(parts as usize);
+        for i in 0..parts as usize {
+            let more = self.nearest_of_layers(&corners[i], &all, &lists[i]);
+            let part = Listed {
+                texel: texel.child(by, i as u32),
+                own: &lists[i],
+                more: &more,
+            };
+            let head = self.arrange(part, left - 1, out);
+            out.set_child(first + i, head);
+        }
+        Some(out.divided(first, by))
     }
 
     /// The most triangles of one layer.

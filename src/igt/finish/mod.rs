@@ -5,8 +5,11 @@
 
 mod arrange;
 mod classic;
+mod estimate;
+mod flat;
 mod near;
 mod packed;
+mod ranked;
 mod sides;
 mod weigh;
 

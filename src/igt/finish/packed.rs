@@ -7,7 +7,7 @@ use super::super::build::Lists;
 use super::super::gutter::Gutter;
 use super::super::layout::packed::{self as bits_of, Kind, Masked};
 use super::super::layout::{Format, Window};
-use super::arrange::{Arranged, Arranger, Texel};
+use super::arrange::{Arranger, Texel};
 use super::{Words, bands, texels};
 use crate::error::{Error, Result};
 use rayon::prelude::*;
@@ -42,12 +42,11 @@ pub(super) fn words(
     let laid_out: Vec<Band> = bands(lists)
         .map(|band| {
             let mut out = Band::default();
-            let arranger = Arranger::new(reference);
+            let mut arranger = Arranger::new(reference);
             for (number, own, more) in texels(lists, gutter, band) {
                 let texel = Texel::new(bits, number);
                 if window.index(texel.place()).is_some() {
-                    let arranged = arranger.texel(texel, own, more);
-                    let head = out.head(reference.format, &arranged);
+                    let head = arranger.texel(texel, own, more, &mut out);
                     out.heads.push(head);
                 }
             }
@@ -74,28 +73,18 @@ fn window(bits: u32, lists: &Lists, gutter: &Gutter) -> Window {
 }
 
 impl Band {
-    fn head(&mut self, format: Format, arranged: &Arranged) -> u64 {
-        match arranged {
-            Arranged::Empty => bits_of::EMPTY,
-            Arranged::Short(entries) => bits_of::inline_head(entries, format.id_bits),
-            Arranged::Long { first, rest, kind } => {
-                self.overlapping += u64::from(!kind.single);
-                self.long(format.entry_bits(kind.mixed), *first, rest, *kind)
-            }
-            Arranged::Divided { by, children } => {
-                self.divided += 1;
-                let first = self.children.len();
-                self.children.resize(first + children.len(), bits_of::EMPTY);
-                for (i, child) in children.iter().enumerate() {
-                    self.children[first + i] = self.head(format, child);
-                }
-                bits_of::divided_head(first as u64, *by)
-            }
-        }
+    /// The head of a single list of one layer that fits it.
+    pub(super) fn short(&mut self, format: Format, entries: &[u32]) -> u64 {
+        bits_of::inline_head(entries, format.id_bits)
     }
 
-    /// A list in blocks, but for its first entry.
-    fn long(&mut self, bits: u32, first: u32, rest: &[Masked], kind: Kind) -> u64 {
+    /// The head of another list; its entries but the first go to blocks.
+    pub(super) fn long(&mut self, format: Format, entries: &[Masked], kind: Kind) -> u64 {
+        let bits = format.entry_bits(kind.mixed);
+        let (first, rest) = entries
+            .split_first()
+            .map_or((0, entries), |(f, r)| (f.entry, r));
+        self.overlapping += u64::from(!kind.single);
         if rest.len() <= bits_of::in_half(bits) as usize {
             let address = self.half.len() as u64;
             self.half.push(bits_of::half_block(rest, bits));
@@ -108,6 +97,23 @@ impl Band {
             self.full.push(bits_of::full_block(block, bits, last));
         }
         bits_of::list_head(first, kind, true, address)
+    }
+
+    /// Makes room for the heads of a texel's parts; where they begin.
+    pub(super) fn divide(&mut self, parts: usize) -> usize {
+        let first = self.children.len();
+        self.children.resize(first + parts, bits_of::EMPTY);
+        first
+    }
+
+    pub(super) fn set_child(&mut self, at: usize, head: u64) {
+        self.children[at] = head;
+    }
+
+    /// The head of a texel whose parts begin at `first`.
+    pub(super) fn divided(&mut self, first: usize, by: u32) -> u64 {
+        self.divided += 1;
+        bits_of::divided_head(first as u64, by)
     }
 }
 

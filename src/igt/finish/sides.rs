@@ -8,7 +8,7 @@
 //! axis, whose values over a triangle lie between its six Bernstein coefficients. In a chart it is exact in f64; about a
 //! centre its sign is, but near zero, where it is worked out anew in integers.
 
-use super::weigh::{Corners, Sides};
+use super::weigh::{self, Corners, Sides};
 use crate::param::projection::{GridTriangle, Line};
 
 /// About a centre a side of a vertex, three products of up to 2^71, is off by less than this.
@@ -18,6 +18,7 @@ const DOUBT: f64 = (1u64 << 22) as f64;
 const NEXT: [usize; 4] = [1, 2, 0, 1];
 
 /// A triangle prepared for tests.
+#[derive(Default)]
 pub(super) struct Piece {
     line: Line,
     vertices: [u32; 3],
@@ -58,10 +59,23 @@ impl Piece {
         piece
     }
 
+    /// The share of a texel that it covers.
+    ///
+    /// About a centre its sense is not that of the sides at the corners: lines that graze a triangle may meet its plane from
+    /// the other side beyond it.
+    pub(super) fn share(&self, corners: &Corners) -> f64 {
+        let sides = self.at_corners(corners);
+        match self.sense {
+            _ if self.line == Line::Cylinder => weigh::coverage(&sides, weigh::sense_of(&sides)),
+            0 => 0.0,
+            sense => weigh::coverage(&sides, f64::from(sense)),
+        }
+    }
+
     /// The sides of the three edges at the corners of a texel.
     pub(super) fn at_corners(&self, corners: &Corners) -> Sides {
         if self.line == Line::Cylinder {
-            return super::weigh::bent_sides(corners, &self.at);
+            return weigh::bent_sides(corners, &self.at);
         }
         // A chart's corners have 0 for a third coordinate: its edges' constant is taken once.
         let flat = self.line == Line::Parallel;
@@ -78,19 +92,19 @@ impl Piece {
     /// The sign of the side of edge `i` on which corner `k` of `other` lies. Not about an axis.
     #[inline]
     fn sign(&self, i: usize, k: usize, other: &Piece) -> i32 {
-        let vertex = other.vertices[k];
+        let (vertex, p) = (other.vertices[k], other.at[k]);
         let edge = [NEXT[i], NEXT[i + 1]];
         if vertex == self.vertices[edge[0]] || vertex == self.vertices[edge[1]] {
             return 0;
         }
-        let (n, p) = (self.edges[i], other.at[k]);
+        let n = self.edges[i];
         let flat = self.line == Line::Parallel;
         let third = if flat { 1.0 } else { f64::from(p[2]) };
         let side = n[0] * f64::from(p[0]) + n[1] * f64::from(p[1]) + n[2] * third;
         if flat || side.abs() > DOUBT {
             return i32::from(side > 0.0) - i32::from(side < 0.0);
         }
-        self.exact_sign(edge, other.at[k])
+        self.exact_sign(edge, p)
     }
 
     #[cold]

@@ -85,10 +85,14 @@ pub(super) fn touches(line: Line, sides: &Sides) -> bool {
     front || back
 }
 
-/// The share of the texel that the triangle covers.
-pub(super) fn coverage(sides: &Sides) -> f64 {
+/// The sense of a triangle about an axis, as the sides at a texel have it.
+pub(super) fn sense_of(sides: &Sides) -> f64 {
     let total: f64 = sides.iter().flatten().sum();
-    let sign = if total < 0.0 { -1.0 } else { 1.0 };
+    if total < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// The share of the texel that a triangle of the given sense, 1 or -1, covers.
+pub(super) fn coverage(sides: &Sides, sign: f64) -> f64 {
     let mut polygon = Polygon::square();
     for [a, b, c, d] in sides {
         let (at, right, up, far) = (a * sign, b * sign, c * sign, d * sign);
@@ -176,9 +180,18 @@ mod tests {
             ([[-9, 0, 0], [-9, width, 0], [-99, 0, 0]], 0.0),
         ] {
             let piece = Piece::new(Line::Parallel, [0, 1, 2], triangle);
+            assert!((piece.share(&texel) - share).abs() < 1e-12, "{triangle:?}");
             let sides = piece.at_corners(&texel);
-            assert!((coverage(&sides) - share).abs() < 1e-12, "{triangle:?}");
             assert_eq!(touches(Line::Parallel, &sides), share > 0.0);
+        }
+    }
+
+    /// All three corners in one place: every side is zero, and nothing is covered.
+    #[test]
+    fn a_point_covers_nothing() {
+        for line in [Line::Parallel, Line::Sphere] {
+            let piece = Piece::new(line, [0, 1, 2], [[9, 9, 9]; 3]);
+            assert_eq!(piece.share(&corners(line, 4, 8, 8)), 0.0);
         }
     }
 
