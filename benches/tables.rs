@@ -6,23 +6,26 @@
 //! cargo bench --bench tables -- --archive             also writes benches/runs/<date>-tables.{json,txt}
 //! ```
 //!
-//! In: meshes made here (a wrinkled sheet with uv, a bumpy sphere). Out: the median time of the runs, triangles per
+//! In: meshes made here: a wrinkled sheet with uv, a bumpy sphere; and, as `hard: ..`, a giant triangle among a million, a
+//! million slivers, everything in one texel. Out: the median time of the runs, triangles per
 //! second, and on devices the time of each pass. What is timed is the whole build: mesh on the integer grid in,
 //! tables in host memory out, uploads and downloads included. Device tables are checked against the CPU's sha256.
 //!
 //! Beside it stands the processors' time of this process (Linux): all cores together, of a run, so that runs on a busy machine
 //! can be compared. For software devices that is the whole work, for others the host's part.
 
+mod shared;
+
 use clap::Parser;
-use invertex::gpu::{self, Context, ContextOptions, DeviceChoice, PassTime};
+use invertex::gpu::PassTime;
 use invertex::igt::{self, Asking, BuildOptions, Layout, Needs, Reference, Tables};
-use invertex::mesh::{Mesh, shapes};
 use invertex::param::{Primary, PrimaryKind};
 use serde_json::{Value, json};
+use shared::{
+    Failure, archive, bumpy_sphere, contexts, in_one_texel, median, sheet, slivers, with_giant,
+};
 use std::fmt::Write as _;
 use std::time::Instant;
-
-type Failure = Box<dyn std::error::Error>;
 
 #[derive(Parser)]
 #[command(about = "Times the building of tables")]
@@ -50,40 +53,6 @@ struct Arguments {
     bench: bool,
 }
 
-/// A repeatable number in [-1, 1] for each index.
-fn jitter(index: usize, salt: u32) -> f32 {
-    let mut h = (index as u32).wrapping_mul(0x9e37_79b9) ^ salt.wrapping_mul(0x85eb_ca6b);
-    h = (h ^ (h >> 16)).wrapping_mul(0xc2b2_ae35);
-    h ^= h >> 13;
-    (h & 0xffff) as f32 / 32_767.5 - 1.0
-}
-
-/// A unit sheet whose inner uv are moved by up to a quarter of a cell: no two triangles alike.
-fn sheet(triangles: u32) -> Mesh {
-    let n = ((triangles / 2) as f64).sqrt().round() as u32;
-    let mut mesh = shapes::grid(n);
-    let cell = 0.25 / n as f32;
-    for (i, uv) in mesh.uv_sets[0].iter_mut().enumerate() {
-        for (axis, value) in uv.iter_mut().enumerate() {
-            if *value > 0.0 && *value < 1.0 {
-                *value += cell * jitter(i, axis as u32);
-            }
-        }
-    }
-    mesh
-}
-
-/// A sphere with bumps of a fifth of its radius.
-fn bumpy_sphere(triangles: u32) -> Mesh {
-    let rings = ((triangles / 4) as f64).sqrt().round() as u32;
-    let mut mesh = shapes::uv_sphere(2 * rings, rings);
-    for p in &mut mesh.positions {
-        let wave = 0.1 * ((9.0 * p[0]).sin() * (7.0 * p[1]).cos() + (8.0 * p[2]).sin());
-        *p = p.map(|c| c * (1.0 + wave));
-    }
-    mesh
-}
-
 struct Case {
     name: &'static str,
     layout: Layout,
@@ -91,40 +60,50 @@ struct Case {
     needs: Needs,
 }
 
-fn cases(arguments: &Arguments) -> Result<Vec<Case>, Failure> {
-    let sheet = sheet(arguments.triangles);
-    let sphere = bumpy_sphere(arguments.triangles);
-    let uv = Primary::centred(PrimaryKind::UvSet(0), &sheet)?;
-    let centre = Primary::new(PrimaryKind::Sphere, &sphere, [0.0; 3])?;
-    let mut cases = Vec::new();
-    for (name, mesh, primary) in [
-        ("sheet, uv", &sheet, uv),
-        ("bumpy sphere, sphere", &sphere, centre),
-    ] {
-        let layer = vec![0; mesh.triangles.len()];
-        for layout in [Layout::Packed, Layout::Classic] {
-            let reference = Reference::new(mesh, &primary, &layer, layout)?;
-            let itself = Asking {
-                t3: &reference.t3,
-                triangles: &reference.triangles,
-                layer: &layer,
-            };
-            let needs = Needs::of(&reference, &[itself], arguments.hash.trailing_zeros());
-            cases.push(Case {
-                name,
-                layout,
-                reference,
-                needs,
-            });
-        }
-    }
-    Ok(cases)
-}
+/// The even cases in both layouts, and inputs that are anything but even in ours. The giant triangle lies in a layer of its
+/// own, as a build would have it, and in that of all others.
+const CASES: [(&str, Layout); 8] = [
+    ("sheet, uv", Layout::Packed),
+    ("sheet, uv", Layout::Classic),
+    ("bumpy sphere, sphere", Layout::Packed),
+    ("bumpy sphere, sphere", Layout::Classic),
+    ("hard: giant triangle", Layout::Packed),
+    ("hard: giant, same layer", Layout::Packed),
+    ("hard: slivers", Layout::Packed),
+    ("hard: one texel", Layout::Packed),
+];
 
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
+fn case(arguments: &Arguments, name: &'static str, layout: Layout) -> Result<Case, Failure> {
+    let (count, hash) = (arguments.triangles, arguments.hash);
+    let mesh = match name {
+        "sheet, uv" => sheet(count),
+        "bumpy sphere, sphere" => bumpy_sphere(count),
+        "hard: slivers" => slivers(count),
+        "hard: one texel" => in_one_texel(count, hash),
+        _ => with_giant(count),
+    };
+    let primary = if name == "bumpy sphere, sphere" {
+        Primary::new(PrimaryKind::Sphere, &mesh, [0.0; 3])?
+    } else {
+        Primary::centred(PrimaryKind::UvSet(0), &mesh)?
+    };
+    let mut layer = vec![0; mesh.triangles.len()];
+    if name == "hard: giant triangle" {
+        layer[mesh.triangles.len() - 1] = 1;
+    }
+    let reference = Reference::new(&mesh, &primary, &layer, layout)?;
+    let itself = Asking {
+        t3: &reference.t3,
+        triangles: &reference.triangles,
+        layer: &layer,
+    };
+    let needs = Needs::of(&reference, &[itself], hash.trailing_zeros());
+    Ok(Case {
+        name,
+        layout,
+        reference,
+        needs,
+    })
 }
 
 /// Milliseconds that the processors have worked for this process so far; 0 where the system does not say.
@@ -170,11 +149,12 @@ fn line(case: &Case, device: &str, timed: &Timed) -> (String, Value) {
     let rate = triangles as f64 / ms * 1e3;
     let layout = format!("{:?}", case.layout).to_lowercase();
     let mut text = format!(
-        "{:<22} {layout:<8} {device:<44} {ms:>8.1} ms {:>7.2} M triangles/s, processors {:>8.1} ms, {} entries",
+        "{:<22} {layout:<8} {device:<44} {ms:>8.1} ms {:>7.2} M triangles/s, processors {:>8.1} ms, {} entries, {:.0} ns an entry",
         case.name,
         rate / 1e6,
         timed.processors,
-        timed.tables.stats.entries
+        timed.tables.stats.entries,
+        ms * 1e6 / timed.tables.stats.entries.max(1) as f64
     );
     for pass in &timed.passes {
         let _ = write!(
@@ -192,81 +172,10 @@ fn line(case: &Case, device: &str, timed: &Timed) -> (String, Value) {
     let value = json!({
         "case": case.name, "layout": layout, "device": device, "triangles": triangles, "median_ms": ms,
         "triangles_per_second": rate, "runs_ms": timed.milliseconds, "processors_ms": timed.processors, "entries": timed.tables.stats.entries,
+        "ns_per_entry": ms * 1e6 / timed.tables.stats.entries.max(1) as f64,
         "mean_list": timed.tables.stats.mean_list, "sha256": timed.tables.sha256(), "passes": passes,
     });
     (text, value)
-}
-
-fn contexts(wanted: &str) -> Result<Vec<Context>, Failure> {
-    let indices: Vec<DeviceChoice> = match wanted {
-        "cpu" => Vec::new(),
-        "all" => gpu::devices()
-            .unwrap_or_default()
-            .iter()
-            .filter(|d| d.usable)
-            .map(|d| DeviceChoice::Index(d.index))
-            .collect(),
-        other => vec![other.parse()?],
-    };
-    indices
-        .into_iter()
-        .map(|device| {
-            Ok(Context::new(&ContextOptions {
-                device,
-                validation: false,
-            })?)
-        })
-        .collect()
-}
-
-fn machine() -> Value {
-    let first = |file: &str, key: &str| {
-        let text = std::fs::read_to_string(file).unwrap_or_default();
-        let found = text.lines().find(|l| l.starts_with(key));
-        found
-            .and_then(|l| l.split([':', '=']).nth(1))
-            .unwrap_or("unknown")
-            .trim()
-            .trim_matches('"')
-            .to_owned()
-    };
-    json!({
-        "processor": first("/proc/cpuinfo", "model name"),
-        "cores": std::thread::available_parallelism().map_or(0, usize::from),
-        "system": first("/etc/os-release", "PRETTY_NAME"),
-        // What else ran: the numbers of a busy machine are a lower bound.
-        "load_average": std::fs::read_to_string("/proc/loadavg").unwrap_or_default().trim(),
-    })
-}
-
-fn today() -> String {
-    let output = std::process::Command::new("date")
-        .args(["-u", "+%Y-%m-%d"])
-        .output();
-    output.map_or_else(
-        |_| "undated".into(),
-        |o| String::from_utf8_lossy(&o.stdout).trim().to_owned(),
-    )
-}
-
-fn archive(command: &str, text: &str, results: &[Value]) -> Result<(), Failure> {
-    let base = format!(
-        "{}/benches/runs/{}-tables",
-        env!("CARGO_MANIFEST_DIR"),
-        today()
-    );
-    let document =
-        json!({ "command": command, "date": today(), "machine": machine(), "results": results });
-    std::fs::write(
-        format!("{base}.json"),
-        serde_json::to_string_pretty(&document)? + "\n",
-    )?;
-    std::fs::write(
-        format!("{base}.txt"),
-        format!("{command}\n{}\n{}\n\n{text}", today(), machine()),
-    )?;
-    println!("archived in {base}.json and .txt");
-    Ok(())
 }
 
 fn main() -> Result<(), Failure> {
@@ -279,10 +188,11 @@ fn main() -> Result<(), Failure> {
         text += &(line + "\n");
         results.push(value);
     };
-    for case in cases(&arguments)?
+    for (name, layout) in CASES
         .iter()
-        .filter(|case| case.name.contains(&arguments.case))
+        .filter(|(name, _)| name.contains(&arguments.case))
     {
+        let case = &case(&arguments, name, *layout)?;
         let options = BuildOptions {
             hash: arguments.hash,
             layout: case.layout,
@@ -322,11 +232,8 @@ fn main() -> Result<(), Failure> {
             "--hash {} --triangles {} --runs {} --device {}",
             arguments.hash, arguments.triangles, arguments.runs, arguments.device
         );
-        archive(
-            &format!("cargo bench --bench tables -- {options} --archive"),
-            &text,
-            &results,
-        )?;
+        let command = format!("cargo bench --bench tables -- {options} --archive");
+        archive("tables", "txt", &command, &text, &results)?;
     }
     Ok(())
 }

@@ -13,7 +13,7 @@ use super::motion::shapes;
 use super::report::{self, MeshReport};
 use super::settings::{BuildSettings, Processor, Progress, check, hash_for};
 use super::{Built, BuiltMesh};
-use crate::igt::{self, Asking, BuildOptions, Needs, Reference, Tables};
+use crate::igt::{self, Ambiguous, Asking, BuildOptions, Needs, Reference, Tables};
 use crate::lod::deviation::{Deviation, deviation};
 use crate::lod::{self, Lod, LodInput, Shape};
 use crate::mesh::Mesh;
@@ -30,6 +30,8 @@ pub struct BuildOutcome {
     pub built: Built,
     /// One for each built mesh.
     pub reports: Vec<MeshReport>,
+    /// The triangles of each of them that share a place with another of their layer.
+    pub ambiguous: Vec<Ambiguous>,
     /// Milliseconds of each stage, in order.
     pub milliseconds: Vec<(&'static str, f64)>,
 }
@@ -54,7 +56,7 @@ pub fn build(
         settings,
         progress,
         done: 0,
-        of: meshes.len() * 4 + 1,
+        of: meshes.len() * 5 + 1,
         milliseconds: Vec::new(),
     };
     let chosen = work.each("primary", &meshes, |m| choose(&scene.meshes[m], settings))?;
@@ -78,14 +80,18 @@ pub fn build(
     let tables = work.with_prepared("tables", &prepared, |p| {
         tables(&scene.meshes[p.mesh], p, settings, processor)
     })?;
+    let ambiguous = work.with_prepared("ambiguous", &prepared, |p| {
+        Ambiguous::of(&scene.meshes[p.mesh], &p.primary, &p.parts.triangle_layer)
+    })?;
     let far = work.with_prepared("deviations", &prepared, |p| {
         Ok(deviations(&scene.meshes[p.mesh], &p.lods))
     })?;
     let milliseconds = work.milliseconds;
     let mut reports = Vec::with_capacity(prepared.len());
     let mut built = Vec::with_capacity(prepared.len());
-    for ((p, tables), far) in prepared.into_iter().zip(tables).zip(far) {
-        let report = report::of(&scene.meshes[p.mesh], &p, &tables, &far);
+    let of_all = prepared.into_iter().zip(tables).zip(far).zip(&ambiguous);
+    for (((p, tables), far), ambiguous) in of_all {
+        let report = report::of(&scene.meshes[p.mesh], &p, &tables, ambiguous, &far);
         built.push(BuiltMesh {
             mesh: p.mesh,
             triangle_layer: p.parts.triangle_layer,
@@ -101,6 +107,7 @@ pub fn build(
             meshes: built,
         },
         reports,
+        ambiguous,
         milliseconds,
     })
 }

@@ -79,7 +79,11 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Built> {
     Ok(Built { scene, meshes })
 }
 
-fn parse<T: for<'de> Deserialize<'de>>(name: &str, element: &str, value: &Value) -> Result<T> {
+pub(super) fn parse<T: for<'de> Deserialize<'de>>(
+    name: &str,
+    element: &str,
+    value: &Value,
+) -> Result<T> {
     T::deserialize(value).map_err(|e| {
         Error::input(
             name,
@@ -141,9 +145,9 @@ impl Reading<'_> {
             hash_size: extension.hash_size,
             window: extension.window,
             primary: extension.primary,
-            hash: self.words("hash", extension.hash)?,
-            list: self.words("list", extension.list)?,
-            triangle: self.words("triangle", extension.triangle)?,
+            hash: self.words("hash", extension.hash)?.into(),
+            list: self.words("list", extension.list)?.into(),
+            triangle: self.words("triangle", extension.triangle)?.into(),
             stats: extension.stats,
         };
         let triangles = self.mesh().triangles.len();

@@ -11,7 +11,8 @@
 //!
 //! LoDs are plain meshes named by MSFT_lod on the nodes; the tables stand in the vendor extension
 //! `INVERTEX_inverse_geometric_texture` (schema in `schema/`), used but never required. Both directions are exact:
-//! `read(to_bytes(b)) == b` and `to_bytes(read(x)) == x` for every `x` that [`to_bytes`] made.
+//! `read(to_bytes(b)) == b` and `to_bytes(read(x)) == x` for every `x` that [`to_bytes`] made. Tables alone are opened where
+//! they lie, without reading the rest ([`open_tables`]).
 
 mod build;
 mod decode;
@@ -23,13 +24,15 @@ mod original;
 mod rebuild;
 mod report;
 mod settings;
+mod tables;
 
 pub use build::{BuildOutcome, build};
 pub use decode::{is_built, read};
 pub use encode::to_bytes;
 pub use extension::EXTENSION;
-pub use report::{LodReport, MeshReport, TableBytes};
+pub use report::{LodReport, MeshReport, NAMED, TableBytes};
 pub use settings::{BuildSettings, Processor, Progress, hash_for};
+pub use tables::{MeshTables, TableFile, open_tables};
 
 use crate::igt::{Reference, Tables};
 use crate::lod::Lod;

@@ -5,11 +5,14 @@
 
 use super::BuiltMesh;
 use super::build::Prepared;
-use crate::igt::{Layout, Tables};
+use crate::igt::{Ambiguous, Layout, Tables};
 use crate::lod::deviation::Deviation;
 use crate::mesh::Mesh;
 use crate::param;
 use serde::{Deserialize, Serialize};
+
+/// Ambiguous triangles that a report names.
+pub const NAMED: usize = 64;
 
 /// Everything a build says of one mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +47,12 @@ pub struct MeshReport {
     pub collapsed_triangles: u64,
     /// Share of the covered domain that is covered more than once within one part, where nothing tells the answers apart.
     pub ambiguous_fraction: f64,
+    /// Triangles that share a place with another of their layer, exactly: see [`Ambiguous`].
+    pub ambiguous_triangles: usize,
+    /// Their share of the surface area: at most so much of it is ambiguous.
+    pub ambiguous_area_fraction: f64,
+    /// The first of them, up to 64.
+    pub ambiguous_first: Vec<u32>,
     /// Share of the covered domain that is covered more than once at all.
     pub overlap_fraction: f64,
     /// Share of the surface that is turned away from its projection lines.
@@ -111,6 +120,7 @@ pub(super) fn of(
     mesh: &Mesh,
     prepared: &Prepared,
     tables: &Tables,
+    ambiguous: &Ambiguous,
     far: &[Deviation],
 ) -> MeshReport {
     let primary = &prepared.primary;
@@ -142,6 +152,9 @@ pub(super) fn of(
         unreached_texels: stats.unreached_texels,
         collapsed_triangles: stats.collapsed_triangles,
         ambiguous_fraction: of_fit(|f| f.overlap_within_parts),
+        ambiguous_triangles: ambiguous.triangles.len(),
+        ambiguous_area_fraction: ambiguous.area_fraction,
+        ambiguous_first: ambiguous.triangles.iter().copied().take(NAMED).collect(),
         overlap_fraction: of_fit(|f| f.overlap_fraction),
         turned_fraction: of_fit(|f| f.turned_fraction),
         bytes: TableBytes {

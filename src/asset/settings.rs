@@ -77,7 +77,7 @@ pub fn hash_for(triangles: usize) -> u32 {
     } else {
         below
     };
-    nearest.clamp(32, 2048)
+    nearest.clamp(32, 4096)
 }
 
 /// Refuses what cannot be built, before any work.
@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(hash_for(8192), 128);
         assert_eq!(hash_for(1), 32);
         assert_eq!(hash_for(1 << 19), 1024);
-        assert_eq!(hash_for(100_000_000), 2048);
+        assert_eq!(hash_for(100_000_000), 4096);
         for triangles in [3000, 7000, 94_722, 327_680] {
             let ratio = f64::from(hash_for(triangles)).powi(2) / triangles as f64;
             assert!((1.0..=4.1).contains(&ratio), "{triangles}: {ratio}");

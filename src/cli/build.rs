@@ -14,7 +14,7 @@ use std::time::Instant;
 use super::device::Device;
 use super::print::{self, Table, percent, thousands};
 use super::progress::Bar;
-use super::{Common, bad_option, note};
+use super::{Common, ambiguous, bad_option, note};
 
 /// Turn a model into one GLB with its LoDs and inverse geometric textures.
 ///
@@ -23,15 +23,17 @@ use super::{Common, bad_option, note};
 #[command(after_help = "\
 JSON: file, output, output_bytes, device, warnings[], meshes[]: name, triangles, parts, primary, why, hash [w,h],
 layout, entries, mean_list, max_list, gutter_entries, gutter_width (texels), unreached_texels, collapsed_triangles,
-ambiguous_fraction, overlap_fraction, turned_fraction, bytes {hash, list, triangle, attribute, total}, tables_sha256,
+ambiguous_fraction (of the covered domain), ambiguous_triangles, ambiguous_area_fraction (of the surface, at most),
+ambiguous_first[] (up to 64 of them), overlap_fraction, turned_fraction, bytes {hash, list, triangle, attribute, total}, tables_sha256,
 lods[]: triangles, vertices, deviation_max, deviation_rms, turned, reached; build_ms {load, primary, parts, lods, tables,
-deviations, write, total}.
+ambiguous, deviations, write, total}.
 
 Examples:
   invertex build helmet.glb -o built.glb
   invertex build apple.glb -o built.glb --primary sphere --lods 0.2,0.05,0.01
   invertex build boat.glb -o built.glb --primary sphere:-3.25,1.29,0.57 --hash 512
   invertex build helmet.glb -o built.glb --primary uv0 --primary Lenses_low=sphere     one mesh its own way
+  invertex build bottle.glb -o built.glb --ambiguous twice.csv        which triangles share a place with others
   invertex build apple.glb -o built.glb --layout classic --device cpu --json | jq '.meshes[].tables_sha256'")]
 pub(super) struct Build {
     /// The model: .glb or .gltf.
@@ -62,6 +64,9 @@ pub(super) struct Build {
         allow_hyphen_values = true
     )]
     lods: String,
+    /// Write the triangles that share a place with another, where colours may be wrong: mesh,triangle, one a line.
+    #[arg(long, value_name = "FILE.csv")]
+    ambiguous: Option<PathBuf>,
     /// What simplifies.
     #[arg(long, value_enum, default_value_t = Simplifier::Meshopt)]
     simplifier: Simplifier,
@@ -118,6 +123,7 @@ impl Build {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
         let settings = self.settings()?;
         self.check_output()?;
+        self.ambiguous.as_deref().map_or(Ok(()), check_target)?;
         let start = Instant::now();
         let scene = load_original(&self.input)?;
         let mut times = vec![("load", milliseconds(start))];
@@ -133,6 +139,10 @@ impl Build {
         times.extend(&outcome.milliseconds);
         let writing = Instant::now();
         write_bytes(&self.output, &asset::to_bytes(&outcome.built)?)?;
+        if let Some(path) = &self.ambiguous {
+            let names = outcome.reports.iter().map(|mesh| mesh.name.as_str());
+            ambiguous::write(path, names.zip(&outcome.ambiguous))?;
+        }
         times.push(("write", milliseconds(writing)));
         times.push(("total", milliseconds(start)));
         device.check();
@@ -265,8 +275,10 @@ fn warn(common: &Common, mesh: &MeshReport) {
         note(
             common,
             &format!(
-                "{}: {share} of {} is ambiguous; wrong colours may show there",
-                mesh.name, mesh.primary
+                "{}: {share} of {} is ambiguous, in {} triangles; wrong colours may show there",
+                mesh.name,
+                mesh.primary,
+                thousands(mesh.ambiguous_triangles as u64)
             ),
         );
     }

@@ -3,14 +3,16 @@
 use std::path::PathBuf;
 
 use invertex::Result;
-use invertex::asset::Model;
+use invertex::asset::{Model, NAMED};
+use invertex::igt::Ambiguous;
 use invertex::mesh::Mesh;
-use invertex::param::{Fit, PrimaryKind, PrimaryRequest, choose, fits};
+use invertex::output::check_target;
+use invertex::param::{Fit, PrimaryKind, PrimaryRequest, choose, fits, parts};
 use serde::Serialize;
 
 use super::print::{self, Table, percent, thousands};
 use super::progress::Bar;
-use super::{Common, note};
+use super::{Common, ambiguous, note};
 
 /// Say what is in a model, and which primary parameterizations fit each mesh.
 ///
@@ -21,12 +23,14 @@ use super::{Common, note};
 JSON: file, materials, textures, images, skins, animations, instances, warnings[], meshes[]: name, triangles, vertices,
 materials, has_normals.., uv_sets[]: set, charts, overlap_fraction, inside_unit_square, mirrored_fraction;
 primary[]: kind, bijective, turned_fraction, overlap_fraction, degenerate_fraction, centre, worst_triangles[];
-automatic: kind, why (what `build --primary auto` would take; null where nothing fits). built[]: for a file that `build`
+automatic: kind, why (what `build --primary auto` would take; null where nothing fits), ambiguous_triangles,
+ambiguous_area_fraction, ambiguous_first[] (triangles that share a place with another of their part or layer). built[]: for a file that `build`
 made, what it reported of each mesh; else null.
 
 Examples:
   invertex inspect model.glb
   invertex inspect model.glb --mesh Hose_low           one mesh, with the triangles that do not fit
+  invertex inspect model.glb --ambiguous twice.csv     the triangles that share a place with others, all of them
   invertex inspect model.gltf --json | jq '.meshes[].primary[] | select(.bijective) | .kind'")]
 pub(super) struct Inspect {
     /// The model: .glb or .gltf.
@@ -34,6 +38,9 @@ pub(super) struct Inspect {
     /// Only this mesh.
     #[arg(long, value_name = "NAME")]
     mesh: Option<String>,
+    /// Write the triangles that share a place with another under what auto takes: mesh,triangle, one a line.
+    #[arg(long, value_name = "FILE.csv")]
+    ambiguous: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -92,10 +99,16 @@ struct PrimaryReport {
 struct Automatic {
     kind: String,
     why: String,
+    ambiguous_triangles: usize,
+    ambiguous_area_fraction: f64,
+    ambiguous_first: Vec<u32>,
+    #[serde(skip)]
+    ambiguous: Ambiguous,
 }
 
 impl Inspect {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
+        self.ambiguous.as_deref().map_or(Ok(()), check_target)?;
         let model = Model::load(&self.input)?;
         let built = match &model {
             Model::Plain(_) => None,
@@ -124,6 +137,13 @@ impl Inspect {
             }
         }
         drop(bar);
+        if let Some(path) = &self.ambiguous {
+            let found = meshes.iter().filter_map(|mesh| {
+                let automatic = mesh.automatic.as_ref()?;
+                Some((mesh.name.as_str(), &automatic.ambiguous))
+            });
+            ambiguous::write(path, found)?;
+        }
         let report = Report {
             materials: scene.materials.len(),
             textures: scene.textures.len(),
@@ -171,14 +191,24 @@ fn mesh_report(mesh: &Mesh) -> MeshReport {
         uv_sets: (0..mesh.uv_sets.len())
             .map(|set| uv_set_report(mesh, set, set_fit(set)))
             .collect(),
-        automatic: choose(mesh, &PrimaryRequest::Auto)
-            .ok()
-            .map(|(primary, why)| Automatic {
-                kind: primary.kind.to_string(),
-                why,
-            }),
+        automatic: automatic(mesh),
         primary: fits.iter().map(primary_report).collect(),
     }
+}
+
+/// What `build` would take, and what would be ambiguous.
+fn automatic(mesh: &Mesh) -> Option<Automatic> {
+    let (primary, why) = choose(mesh, &PrimaryRequest::Auto).ok()?;
+    let layer = parts(mesh, &primary).triangle_layer;
+    let ambiguous = Ambiguous::of(mesh, &primary, &layer).unwrap_or_default();
+    Some(Automatic {
+        kind: primary.kind.to_string(),
+        why,
+        ambiguous_triangles: ambiguous.triangles.len(),
+        ambiguous_area_fraction: ambiguous.area_fraction,
+        ambiguous_first: ambiguous.triangles.iter().copied().take(NAMED).collect(),
+        ambiguous,
+    })
 }
 
 fn uv_set_report(mesh: &Mesh, set: usize, fit: Option<&Fit>) -> UvSetReport {
@@ -252,7 +282,16 @@ fn readable(report: &Report, detail: bool) -> String {
         }
         text += &primary_table(mesh, detail);
         match &mesh.automatic {
-            Some(automatic) => text += &format!("  auto takes {}\n", automatic.why),
+            Some(automatic) => {
+                text += &format!("  auto takes {}\n", automatic.why);
+                if automatic.ambiguous_triangles > 0 {
+                    text += &format!(
+                        "  {} triangles, {} of the surface, share a place with others\n",
+                        thousands(automatic.ambiguous_triangles as u64),
+                        percent(automatic.ambiguous_area_fraction)
+                    );
+                }
+            }
             None => text += "  nothing fits\n",
         }
     }

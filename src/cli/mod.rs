@@ -3,6 +3,7 @@
 //! stdout carries results only; bars, notes and logs go to stderr. Exit codes: 0 done, 2 usage, 3 bad input, 4 no
 //! usable device, 5 a comparison failed, 70 our own bug (a panic, caught here).
 
+mod ambiguous;
 mod attribute;
 mod build;
 mod compare;

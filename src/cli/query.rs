@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use invertex::asset::{BuiltMesh, Model};
+use invertex::asset::{self, Model};
 #[cfg(feature = "gpu")]
 use invertex::igt;
-use invertex::igt::{Cost, Found};
+use invertex::igt::{Cost, Found, Tables};
 use invertex::param::Primary;
 use invertex::scene::read_file;
 use invertex::{Error, Result};
@@ -28,6 +28,7 @@ fetches, hit (false: the nearest point, outside every chart).
 Examples:
   invertex query built.glb --points uv.csv > found.csv
   printf '0.25,0.5\\n0.26,0.5\\n' | invertex query built.glb --points -
+  invertex query built.glb --mapped --points few.csv           a large file, few points: milliseconds
   invertex query built.glb --mesh Hose_low --points uv.csv --nearest --json")]
 pub(super) struct Query {
     /// A file that `build` made.
@@ -44,6 +45,10 @@ pub(super) struct Query {
     /// Ask as a LoD triangle of this layer does (0 to 254): its own part's hits come first.
     #[arg(long, value_name = "N")]
     layer: Option<u8>,
+    /// Map the file and read nothing of it but what lookups need. Every index is still checked, but neither the tables'
+    /// checksum nor whether the mesh is the one they were built for.
+    #[arg(long)]
+    mapped: bool,
     /// Begin with a line of column names.
     #[arg(long)]
     header: bool,
@@ -71,18 +76,10 @@ struct Answer {
 
 impl Query {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
-        let model = Model::load(&self.built)?;
+        let mut all = self.tables()?;
         let file = self.built.display().to_string();
-        let Model::Built(built) = &model else {
-            return Err(Error::input(
-                file,
-                "extensions",
-                "this model has no inverse textures; run `invertex build` first",
-            ));
-        };
-        let name_of = |mesh: &BuiltMesh| built.scene.meshes[mesh.mesh].name.as_str();
-        let names = || built.meshes.iter().map(name_of);
-        let at = match (&self.mesh, built.meshes.len()) {
+        let names = || all.iter().map(|(name, _)| name.as_str());
+        let at = match (&self.mesh, all.len()) {
             (Some(name), _) => mesh_named(&file, names(), name)?,
             (None, 1) => 0,
             (None, _) => {
@@ -90,20 +87,34 @@ impl Query {
                 return Err(bad_mesh(&listed));
             }
         };
-        let mesh = &built.meshes[at];
-        let queries = self.queries(&mesh.tables.primary)?;
+        let (name, tables) = all.swap_remove(at);
+        let queries = self.queries(&tables.primary)?;
         let device = Device::open(common)?;
-        let answers = self.answers(mesh, &queries, &device)?;
+        let answers = self.answers(&tables, &queries, &device)?;
         device.check();
         if common.json {
-            return print::json(&report(
-                name_of(mesh),
-                &mesh.tables.primary,
-                &device,
-                answers,
-            ));
+            return print::json(&report(&name, &tables.primary, &device, answers));
         }
         print::text(&self.csv(&answers))
+    }
+
+    /// The tables of each mesh, with its name.
+    fn tables(&self) -> Result<Vec<(String, Tables)>> {
+        if self.mapped {
+            let file = asset::open_tables(&self.built)?;
+            let named = |mesh: asset::MeshTables| (mesh.name, mesh.tables);
+            return Ok(file.meshes.into_iter().map(named).collect());
+        }
+        let Model::Built(built) = Model::load(&self.built)? else {
+            return Err(Error::input(
+                self.built.display().to_string(),
+                "extensions",
+                "this model has no inverse textures; run `invertex build` first",
+            ));
+        };
+        let meshes = &built.scene.meshes;
+        let named = |mesh: asset::BuiltMesh| (meshes[mesh.mesh].name.clone(), mesh.tables);
+        Ok(built.meshes.into_iter().map(named).collect())
     }
 
     /// The points on the query grid.
@@ -122,11 +133,10 @@ impl Query {
 
     fn answers(
         &self,
-        mesh: &BuiltMesh,
+        tables: &Tables,
         queries: &[[i32; 3]],
         device: &Device,
     ) -> Result<Vec<Answer>> {
-        let tables = &mesh.tables;
         #[cfg(feature = "gpu")]
         if let Some(context) = device.context() {
             let found = igt::gpu::query(context, tables, queries, self.layer, self.nearest)?;

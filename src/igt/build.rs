@@ -90,7 +90,7 @@ fn touched(toucher: &Toucher<'_>, bits: u32, one: &TexelBox, mut visit: impl FnM
 }
 
 /// (texel, triangle) pairs of a block of triangles, by the band of texels they lie in; triangles ascend in each band.
-type Block = Vec<Vec<[u32; 2]>>;
+pub(super) type Block = Vec<Vec<[u32; 2]>>;
 
 /// log2 of the texels in a band: few enough that one worker's counters stay in its cache, and at most 256 bands.
 fn band_bits(bits: u32) -> u32 {
@@ -100,7 +100,7 @@ fn band_bits(bits: u32) -> u32 {
 }
 
 /// All (texel, triangle) pairs, in blocks of ascending triangles.
-fn cover_all(reference: &Reference, bits: u32) -> Vec<Block> {
+pub(super) fn cover_all(reference: &Reference, bits: u32) -> Vec<Block> {
     let line = reference.primary.line();
     let count = reference.triangles.len();
     let size = (count / (rayon::current_num_threads() * 8)).max(1024);
@@ -120,7 +120,7 @@ fn cover_all(reference: &Reference, bits: u32) -> Vec<Block> {
 }
 
 /// Sorts pairs into lists: band by band a counting sort by texel; within a texel triangles stay ascending.
-fn lists_of(blocks: &[Block], bits: u32) -> Result<Lists> {
+pub(super) fn lists_of(blocks: &[Block], bits: u32) -> Result<Lists> {
     let entries: u64 = blocks.iter().flatten().map(|band| band.len() as u64).sum();
     if entries > u32::MAX as u64 / 2 {
         return Err(Error::Capacity {

@@ -11,6 +11,7 @@
 //! Every pass works on integers only, so the tables of the CPU and of any GPU are equal byte for byte. Source: Inverse
 //! Geometric Textures, sections 2.1 (building), 2.2 (use) and 2.3 (data structures).
 
+mod ambiguous;
 mod asker;
 mod build;
 pub mod cover;
@@ -23,13 +24,16 @@ pub mod layout;
 mod lookup;
 mod reference;
 mod validate;
+mod words;
 
+pub use ambiguous::Ambiguous;
 pub use asker::{Asker, askers};
 pub use build::build_cpu;
 pub use gutter::{Asking, Needs};
 pub use known::KnownTables;
 pub use lookup::{Cost, Found};
 pub use reference::Reference;
+pub use words::Words;
 
 use crate::error::{Error, Result};
 use crate::param::Primary;
@@ -109,11 +113,11 @@ pub struct Tables {
     /// The primary parameterization the tables invert.
     pub primary: Primary,
     /// The hash texture's window: one or two words a texel, row by row; behind them divided texels' children.
-    pub hash: Vec<u32>,
+    pub hash: Words,
     /// The lists of triangles.
-    pub list: Vec<u32>,
+    pub list: Words,
     /// The triangles' T3 coordinates and layers.
-    pub triangle: Vec<u32>,
+    pub triangle: Words,
     /// Figures of the build.
     pub stats: Stats,
 }

@@ -60,40 +60,57 @@ impl Tables {
         fault.map_or(Ok(()), |(element, reason)| refuse(&element, reason))
     }
 
-    /// Every entry of every block is looked at once, and every head once: heads may share blocks, and a file may say
-    /// that all share one.
+    /// Every head is looked at, and its list as far as that is short; heads may share blocks, and a file may say that all
+    /// share one long list, so those that are long are looked at together, every block once.
     fn packed_fault(&self, triangles: usize) -> Option<(String, String)> {
-        let blocks = |mixed| Blocks::check(&self.list, self.format, mixed, triangles);
-        let lists = [blocks(false), blocks(true)];
+        let lists =
+            [false, true].map(|mixed| Lists::new(&self.list, self.format, mixed, triangles));
+        let rests: Vec<Rests> = self
+            .hash
+            .par_chunks(HEADS * HEAD_WORDS)
+            .enumerate()
+            .map(|(chunk, words)| Rests::of(&lists, chunk * HEADS, words))
+            .collect();
+        let faults = rests.iter().filter_map(|rests| rests.fault);
+        let parts = || rests.iter().flat_map(|rests| &rests.divided);
+        let long = || rests.iter().flat_map(|rests| &rests.long);
+        let fault = faults
+            .chain(self.lost_part(parts()))
+            .chain([false, true].iter().filter_map(|mixed| {
+                let mut of_kind = long().filter(|(_, _, kind)| kind == mixed).peekable();
+                of_kind.peek()?;
+                let fit = lists[usize::from(*mixed)].blocks_that_fit();
+                of_kind
+                    .find(|(_, block, _)| !fit[*block])
+                    .map(|(at, ..)| *at)
+            }))
+            .min()?;
+        Some((
+            format!("hash[{fault}]"),
+            "its triangle or its list does not exist".into(),
+        ))
+    }
+
+    /// The first divided texel whose parts do not exist, come before it, or are too small.
+    fn lost_part<'a>(
+        &self,
+        mut divided: impl Iterator<Item = &'a (usize, usize, u32)>,
+    ) -> Option<usize> {
         let heads = self.hash.len() / HEAD_WORDS;
         // log2 of the resolution at which a divided texel's children lie.
         let mut depth = vec![self.bits() as u8; heads];
-        for (at, words) in self.hash.chunks_exact(HEAD_WORDS).enumerate() {
-            let fits = match packed::head([words[0], words[1]]) {
-                Head::Empty => true,
-                Head::List { run, rest, kind } => {
-                    let lists = &lists[usize::from(kind.mixed)];
-                    lists.run_fits(run, false) && lists.rest_fits(rest)
-                }
-                Head::Divided { first, by } => {
-                    let (below, inside) = (depth[at] + by as u8, first + (1 << (2 * by)) <= heads);
-                    // Children come after their texel: no way leads back.
-                    let fits = inside && first > at && by > 0 && u32::from(below) <= MAX_BITS;
-                    if fits {
-                        let children = &mut depth[first..first + (1 << (2 * by))];
-                        children.iter_mut().for_each(|d| *d = below.max(*d));
-                    }
-                    fits
-                }
-            };
-            if !fits {
-                return Some((
-                    format!("hash[{at}]"),
-                    "its triangle or its list does not exist".into(),
-                ));
+        let lost = divided.find(|(at, first, by)| {
+            let parts = *first..first.saturating_add(1 << (2 * by));
+            let below = depth[*at] + *by as u8;
+            // Children come after their texel: no way leads back.
+            let fits = parts.end <= heads && first > at && *by > 0 && u32::from(below) <= MAX_BITS;
+            if fits {
+                let children = &mut depth[parts];
+                children.iter_mut().for_each(|d| *d = below.max(*d));
             }
-        }
-        None
+            !fits
+        });
+        lost.map(|(at, ..)| *at)
     }
 
     fn classic_fault(&self, triangles: usize) -> Option<(String, String)> {
@@ -101,7 +118,7 @@ impl Tables {
         // subtraction, however many texels share it.
         let mut strange = Vec::with_capacity(self.list.len() + 1);
         strange.push(0u32);
-        for word in &self.list {
+        for word in self.list.iter() {
             let is_strange = (word & 0xff_ffff) as usize >= triangles;
             strange.push(strange[strange.len() - 1] + u32::from(is_strange));
         }
@@ -128,65 +145,143 @@ impl Tables {
     }
 }
 
-/// Which blocks may be read as those of packed lists of one kind.
-struct Blocks {
-    format: Format,
-    mixed: bool,
-    triangles: usize,
-    /// By 64-bit unit: a half block there names triangles that exist.
-    half: Vec<bool>,
-    /// By 128-bit unit: so does a full block there, and all that follow up to a last one.
-    full: Vec<bool>,
+/// Heads that one worker looks at.
+const HEADS: usize = 1 << 13;
+/// Blocks of a list that are looked at with its head.
+const FEW_BLOCKS: usize = 4;
+
+/// What remains of some heads to be looked at.
+#[derive(Default)]
+struct Rests {
+    /// The first head whose triangle or list does not exist.
+    fault: Option<usize>,
+    /// Divided texels: head, first part, log2 of the parts along a side.
+    divided: Vec<(usize, usize, u32)>,
+    /// Long lists: head, the 128-bit unit where more of it is, whether it is mixed.
+    long: Vec<(usize, usize, bool)>,
 }
 
-impl Blocks {
-    fn check(list: &[u32], format: Format, mixed: bool, triangles: usize) -> Self {
-        let mut blocks = Blocks {
-            format,
-            mixed,
-            triangles,
-            half: Vec::new(),
-            full: Vec::new(),
-        };
-        if mixed && format.layer_bits == 0 {
-            return blocks;
-        }
-        let bits = format.entry_bits(mixed);
-        blocks.half = (0..list.len() / 2)
-            .into_par_iter()
-            .map(|unit| blocks.run_fits(packed::half_run(list, unit, bits), true))
-            .collect();
-        let own: Vec<(bool, bool)> = (0..list.len() / 4)
-            .into_par_iter()
-            .map(|unit| {
-                let (run, last) = packed::full_run(list, 2 * unit, bits);
-                (blocks.run_fits(run, true), last)
-            })
-            .collect();
-        let mut follows = false;
-        blocks.full = vec![false; own.len()];
-        for (fits, (run_fits, last)) in blocks.full.iter_mut().zip(&own).rev() {
-            follows = *run_fits && (*last || follows);
-            *fits = follows;
-        }
-        blocks
-    }
-
-    fn run_fits(&self, mut run: Run, masked: bool) -> bool {
-        while let Some(one) = run.next(self.format.entry_bits(self.mixed), masked) {
-            let (triangle, _) = self.format.split(self.mixed, one.entry);
-            if triangle as usize >= self.triangles {
-                return false;
+impl Rests {
+    /// Looks at heads, the first of which is the one numbered `first`.
+    fn of(lists: &[Lists<'_>; 2], first: usize, words: &[u32]) -> Self {
+        let mut rests = Rests::default();
+        for (i, words) in words.chunks_exact(HEAD_WORDS).enumerate() {
+            let at = first + i;
+            let fits = match packed::head([words[0], words[1]]) {
+                Head::Empty => true,
+                Head::List { run, rest, kind } => {
+                    let lists = &lists[usize::from(kind.mixed)];
+                    lists.run_fits(run, lists.bits)
+                        && match rest {
+                            Rest::None => true,
+                            Rest::Half(unit) => lists.half_fits(unit),
+                            Rest::Full(unit) => {
+                                let (fits, more) = lists.few_blocks_fit(unit);
+                                rests.long.extend(more.map(|unit| (at, unit, kind.mixed)));
+                                fits
+                            }
+                        }
+                }
+                Head::Divided { first, by } => {
+                    rests.divided.push((at, first, by));
+                    true
+                }
+            };
+            if !fits {
+                rests.fault = Some(at);
+                break;
             }
         }
-        true
+        rests
+    }
+}
+
+/// Packed lists of one kind.
+struct Lists<'a> {
+    list: &'a [u32],
+    triangles: u32,
+    /// Of an entry, and of one with its mask.
+    bits: u32,
+    masked_bits: u32,
+    /// Of an entry's layer.
+    layer_bits: u32,
+    /// Whether lists of this kind can be.
+    exist: bool,
+}
+
+impl<'a> Lists<'a> {
+    fn new(list: &'a [u32], format: Format, mixed: bool, triangles: usize) -> Self {
+        let bits = format.entry_bits(mixed);
+        Lists {
+            list,
+            // Numbers have up to 31 bits: more triangles than that have all of them.
+            triangles: triangles.min(u32::MAX as usize) as u32,
+            bits,
+            masked_bits: bits + packed::MASK_BITS,
+            layer_bits: if mixed { format.layer_bits } else { 0 },
+            exist: !mixed || format.layer_bits > 0,
+        }
     }
 
-    fn rest_fits(&self, rest: Rest) -> bool {
-        match rest {
-            Rest::None => true,
-            Rest::Half(unit) => self.half.get(unit) == Some(&true),
-            Rest::Full(unit) => unit % 2 == 0 && self.full.get(unit / 2) == Some(&true),
+    /// Whether the entries of a run, `stride` bits apart, name triangles that exist. No branch depends on an entry.
+    #[inline]
+    fn run_fits(&self, run: Run, stride: u32) -> bool {
+        let end = packed::end(self.bits);
+        let (mut window, mut ended, mut lost) = (run.window, false, false);
+        for _ in 0..run.count {
+            let entry = window as u32 & end;
+            ended |= entry == end;
+            lost |= !ended & (entry >> self.layer_bits >= self.triangles);
+            window >>= stride;
         }
+        !lost
+    }
+
+    fn half_fits(&self, unit: usize) -> bool {
+        self.exist
+            && unit < self.list.len() / 2
+            && self.run_fits(
+                packed::half_run(self.list, unit, self.bits),
+                self.masked_bits,
+            )
+    }
+
+    /// Whether a full block exists and fits, and whether it is a list's last.
+    fn block_fits(&self, block: usize) -> (bool, bool) {
+        if !self.exist || block >= self.list.len() / 4 {
+            return (false, true);
+        }
+        let (run, last) = packed::full_run(self.list, 2 * block, self.bits);
+        (self.run_fits(run, self.masked_bits), last)
+    }
+
+    /// Whether the first blocks of a list fit, and the block that has more of it.
+    fn few_blocks_fit(&self, unit: usize) -> (bool, Option<usize>) {
+        if !unit.is_multiple_of(2) {
+            return (false, None);
+        }
+        for block in unit / 2..unit / 2 + FEW_BLOCKS {
+            let (fits, last) = self.block_fits(block);
+            if !fits || last {
+                return (fits, None);
+            }
+        }
+        (true, Some(unit / 2 + FEW_BLOCKS))
+    }
+
+    /// For each 128-bit unit, and one behind them: whether a full block there fits, and all that follow up to a last one.
+    fn blocks_that_fit(&self) -> Vec<bool> {
+        let count = self.list.len() / 4;
+        let own: Vec<(bool, bool)> = (0..count)
+            .into_par_iter()
+            .map(|block| self.block_fits(block))
+            .collect();
+        let mut follows = false;
+        let mut all = vec![false; count + 1];
+        for (fits, (own_fits, last)) in all.iter_mut().zip(&own).rev() {
+            follows = *own_fits && (*last || follows);
+            *fits = follows;
+        }
+        all
     }
 }

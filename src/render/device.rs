@@ -301,7 +301,7 @@ fn groups(count: u32, size: u32) -> [u32; 3] {
 pub(super) fn upload(context: &Context, picture: &Picture) -> Result<Arrays> {
     let attributes = &picture.attributes;
     let texels = |k: usize| context.upload(&format!("texels {k}"), attributes.textures.shard(k));
-    let joined = |words: fn(&Tables) -> &Vec<u32>| -> Vec<u32> {
+    let joined = |words: fn(&Tables) -> &[u32]| -> Vec<u32> {
         picture
             .tables
             .iter()

@@ -135,7 +135,7 @@ impl Picture {
     /// quadruples) begin when all tables lie after each other, and how to read them.
     fn igt_words(&self, number: u32) -> [u32; 15] {
         let before = &self.tables[..number as usize];
-        let base = |words: fn(&Tables) -> &Vec<u32>, size: usize| {
+        let base = |words: fn(&Tables) -> &[u32], size: usize| {
             before.iter().map(|t| (words(t).len() / size) as u32).sum()
         };
         let tables = &self.tables[number as usize];

@@ -19,6 +19,7 @@ mod deform;
 mod document;
 mod image;
 mod json;
+mod mapped;
 mod material;
 mod morph;
 mod node;
@@ -38,6 +39,7 @@ pub(crate) use deform::{Deformation, Rest};
 pub use document::Document;
 pub(crate) use document::array;
 pub use image::{Image, MAX_ALLOCATION, MAX_SIDE, TextureUse};
+pub use mapped::Mapped;
 pub use material::{AlphaMode, Material, TextureRef, UvTransform};
 pub use node::{Instance, Node, Transform};
 pub(crate) use opened::Opened;
@@ -47,6 +49,20 @@ pub use texture::{Mipmap, Sampler, Texture, Wrap};
 use crate::mesh::Mesh;
 use crate::{Error, Result};
 use std::path::Path;
+
+/// The JSON of a GLB or glTF file and the range of its BIN chunk, if it has one, among the file's bytes.
+pub(crate) fn json_and_binary(
+    name: &str,
+    bytes: &[u8],
+) -> Result<(serde_json::Value, Option<std::ops::Range<usize>>)> {
+    let container = container::open(name, bytes)?;
+    let range = container.bin.map(|bin| {
+        // A part of `bytes`: its place is how far it lies behind their beginning.
+        let start = bin.as_ptr().addr() - bytes.as_ptr().addr();
+        start..start + bin.len()
+    });
+    Ok((container.json, range))
+}
 
 /// A glTF model.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -10,18 +10,17 @@
 
 use super::super::Reference;
 use super::super::layout::packed::{EMPTY, Kind, MOST_INLINE, Masked, inline};
+use super::estimate::Frame;
 use super::near;
 use super::packed::Band;
-use super::ranked::{Ranked, piece};
+use super::ranked::Ranked;
 use super::weigh::{self, Corners};
 use crate::param::projection::Line;
 
 /// log2 of the resolution at which the smallest texels lie.
 pub(in super::super) const MAX_BITS: u32 = 19;
 /// The most triangles of one layer in an undivided texel, if dividing helps: where a sorted list would do, and elsewhere.
-const CROWDED: [usize; 2] = [16, 10];
-/// A division helps if the parts' lists together are at most this many times as long.
-const MOST_COPIES: usize = 3;
+pub(super) const CROWDED: [usize; 2] = [16, 10];
 /// How often a texel is divided at most.
 const MOST_DIVISIONS: u32 = 3;
 
@@ -43,12 +42,17 @@ impl Texel {
         }
     }
 
+    /// log2 of the texels along a side of the table.
+    pub(super) fn bits(self) -> u32 {
+        self.bits
+    }
+
     /// Column and row.
     pub(super) fn place(self) -> [u32; 2] {
         [self.x, self.y]
     }
 
-    fn child(self, by: u32, i: u32) -> Self {
+    pub(super) fn child(self, by: u32, i: u32) -> Self {
         Texel {
             bits: self.bits + by,
             x: self.x << by | i & ((1 << by) - 1),
@@ -56,31 +60,35 @@ impl Texel {
         }
     }
 
-    fn corners(self, line: Line) -> Corners {
+    pub(super) fn corners(self, line: Line) -> Corners {
         weigh::corners(line, self.bits, self.x, self.y)
+    }
+
+    pub(super) fn frame(self, line: Line) -> Frame {
+        Frame::new(line, self.bits, self.x, self.y)
     }
 }
 
 /// A texel with its triangles.
 #[derive(Clone, Copy)]
-struct Listed<'a> {
-    texel: Texel,
+pub(super) struct Listed<'a> {
+    pub(super) texel: Texel,
     /// Those that touch the texel.
-    own: &'a [u32],
+    pub(super) own: &'a [u32],
     /// Those that serve points outside of all.
-    more: &'a [u32],
+    pub(super) more: &'a [u32],
 }
 
 impl Listed<'_> {
-    fn all(&self) -> impl Iterator<Item = u32> {
+    pub(super) fn all(&self) -> impl Iterator<Item = u32> {
         self.own.iter().chain(self.more).copied()
     }
 }
 
 /// Arranges the texels of a band of a reference's tables; has its workspace.
 pub(super) struct Arranger<'a> {
-    reference: &'a Reference,
-    line: Line,
+    pub(super) reference: &'a Reference,
+    pub(super) line: Line,
     ranked: Ranked<'a>,
     entries: Vec<Masked>,
 }
@@ -102,7 +110,7 @@ impl<'a> Arranger<'a> {
         self.arrange(Listed { texel, own, more }, MOST_DIVISIONS, out)
     }
 
-    fn arrange(&mut self, listed: Listed<'_>, divisions: u32, out: &mut Band) -> u64 {
+    pub(super) fn arrange(&mut self, listed: Listed<'_>, divisions: u32, out: &mut Band) -> u64 {
         match (listed.own, listed.more) {
             ([], []) => EMPTY,
             ([one], []) | ([], [one]) => out.short(self.reference.format, &[*one]),
@@ -219,15 +227,23 @@ impl<'a> Arranger<'a> {
     }
 
     /// Of each layer among `candidates` that none of `here` has: the triangles nearest to the middle of `corners`.
-    fn nearest_of_layers(&self, corners: &Corners, candidates: &[u32], here: &[u32]) -> Vec<u32> {
+    pub(super) fn nearest_of_layers(
+        &self,
+        corners: &Corners,
+        candidates: &[u32],
+        here: &[u32],
+    ) -> Vec<u32> {
         let one_layer = self.reference.format.layer_bits == 0;
         if candidates.is_empty() || one_layer && !here.is_empty() {
             return Vec::new();
         }
+        let mut is_here = [false; 256];
+        here.iter()
+            .for_each(|t| is_here[self.layer(*t) as usize] = true);
         let mut missing: Vec<(u8, u32)> = candidates
             .iter()
             .map(|t| (self.layer(*t), *t))
-            .filter(|(layer, _)| here.iter().all(|t| self.layer(*t) != *layer))
+            .filter(|(layer, _)| !is_here[*layer as usize])
             .collect();
         missing.sort_unstable();
         missing.dedup();
@@ -240,73 +256,6 @@ impl<'a> Arranger<'a> {
                 })
             })
             .collect()
-    }
-
-    /// The texel cut into parts, where that is worth while.
-    fn divided(
-        &mut self,
-        crowd: usize,
-        listed: Listed<'_>,
-        left: u32,
-        out: &mut Band,
-    ) -> Option<u64> {
-        let by = match crowd {
-            0..24 => 1,
-            24..96 => 2,
-            _ => 3,
-        };
-        let tries: &[u32] = if by == 1 { &[1] } else { &[by, 1] };
-        if left == 0 {
-            return None;
-        }
-        tries
-            .iter()
-            .find_map(|by| self.divided_by(*by, listed, left, out))
-    }
-
-    fn divided_by(
-        &mut self,
-        by: u32,
-        listed: Listed<'_>,
-        left: u32,
-        out: &mut Band,
-    ) -> Option<u64> {
-        let Listed { texel, own, .. } = listed;
-        if texel.bits + by > MAX_BITS {
-            return None;
-        }
-        let parts = 1 << (2 * by);
-        let corners: Vec<Corners> = (0..parts)
-            .map(|i| texel.child(by, i).corners(self.line))
-            .collect();
-        let mut lists = vec![Vec::new(); parts as usize];
-        let mut room = own.len() * MOST_COPIES;
-        for t in own {
-            let piece = piece(self.reference, *t);
-            for (corners, list) in corners.iter().zip(&mut lists) {
-                if weigh::touches(self.line, &piece.at_corners(corners)) {
-                    room = room.checked_sub(1)?;
-                    list.push(*t);
-                }
-            }
-        }
-        if lists.iter().any(|list| list.len() == own.len()) && own.len() < 3 * CROWDED[0] {
-            // They all meet in one place.
-            return None;
-        }
-        let all: Vec<u32> = listed.all().collect();
-        let first = out.divide(parts as usize);
-        for i in 0..parts as usize {
-            let more = self.nearest_of_layers(&corners[i], &all, &lists[i]);
-            let part = Listed {
-                texel: texel.child(by, i as u32),
-                own: &lists[i],
-                more: &more,
-            };
-            let head = self.arrange(part, left - 1, out);
-            out.set_child(first + i, head);
-        }
-        Some(out.divided(first, by))
     }
 
     /// The most triangles of one layer.

@@ -82,6 +82,21 @@ impl Flat {
         (flat.area.abs() > flat.doubt).then_some(flat)
     }
 
+    /// The columns and rows that it may reach of the texel cut into `width` x `width` parts, first and last.
+    pub(super) fn parts(&self, width: u32) -> [[u32; 2]; 2] {
+        // Points of charts are exact; others are moved by far less than this. Borders belong to both sides.
+        let slack = if self.doubt > 0.0 { 1e-4 } else { 0.0 };
+        let last = f64::from(width - 1);
+        let part = |x: f64| (x * f64::from(width)).floor().clamp(0.0, last) as u32;
+        [0, 1].map(|k| {
+            let (low, high) = (self.reach[k] - slack, self.reach[k + 2] + slack);
+            let first = part(low);
+            // A triangle that begins on a border touches the part before it, too.
+            let touches = f64::from(first) >= low * f64::from(width);
+            [first - u32::from(touches && first > 0), part(high)]
+        })
+    }
+
     /// The share of the texel that it covers, within [`estimate::CLOSE`].
     #[inline]
     pub(super) fn share(&self) -> f64 {

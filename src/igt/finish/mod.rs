@@ -3,8 +3,10 @@
 //! Texels are worked on in bands, one worker a band. It runs on the host for the device's build as well: what it decides
 //! in floating point ([`weigh`]) is then the same everywhere.
 
+mod ambiguous;
 mod arrange;
 mod classic;
+mod divide;
 mod estimate;
 mod flat;
 mod near;
@@ -13,6 +15,7 @@ mod ranked;
 mod sides;
 mod weigh;
 
+pub(super) use ambiguous::ambiguous;
 pub(super) use arrange::MAX_BITS;
 
 use super::build::Lists;
@@ -68,15 +71,16 @@ pub(super) fn tables(
     let format = reference.format;
     let flat = layout::is_flat(&reference.primary);
     let count = reference.triangles.len();
+    let triangle = format.record.table(count, |t| reference.corners(t), flat);
     Ok(Tables {
         layout: options.layout,
         format,
         hash_size: [options.hash; 2],
         window: words.window,
         primary: reference.primary,
-        hash: words.hash,
-        list: words.list,
-        triangle: format.record.table(count, |t| reference.corners(t), flat),
+        hash: words.hash.into(),
+        list: words.list.into(),
+        triangle: triangle.into(),
         stats,
     })
 }

@@ -14,12 +14,18 @@ pub(super) fn nearest(
     of: impl Fn(u32) -> GridTriangle,
 ) -> Vec<u32> {
     let middle: [f64; 3] = std::array::from_fn(|k| corners.iter().map(|c| c[k]).sum::<f64>() / 4.0);
-    let mut by_distance: Vec<(f32, u32)> = triangles
-        .map(|t| (distance(line, middle, &of(t)), t))
-        .collect();
-    by_distance.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    by_distance.truncate(MOST);
-    by_distance.into_iter().map(|(_, t)| t).collect()
+    // There may be thousands: only the nearest are kept.
+    let mut nearest: Vec<(f32, u32)> = Vec::with_capacity(MOST + 1);
+    for t in triangles {
+        let one = (distance(line, middle, &of(t)), t);
+        let before = |other: &(f32, u32)| other.0.total_cmp(&one.0).then(other.1.cmp(&t)).is_lt();
+        let at = nearest.partition_point(before);
+        if at < MOST {
+            nearest.insert(at, one);
+            nearest.truncate(MOST);
+        }
+    }
+    nearest.into_iter().map(|(_, t)| t).collect()
 }
 
 /// Squared distance of a triangle from the line through the middle, at the triangle's own height over the line's start.

@@ -106,6 +106,22 @@ impl Band {
         first
     }
 
+    /// Puts words behind these; `head`, whose addresses are theirs, comes back as it is among these.
+    pub(super) fn append(&mut self, head: u64, words: Band) -> u64 {
+        let base = Base {
+            children: self.children.len() as u64,
+            half: self.half.len() as u64,
+            full: 2 * self.full.len() as u64,
+        };
+        let moved = |head: u64| bits_of::moved(head, base.half, base.full, base.children);
+        self.children.extend(words.children.into_iter().map(moved));
+        self.half.extend(words.half);
+        self.full.extend(words.full);
+        self.divided += words.divided;
+        self.overlapping += words.overlapping;
+        moved(head)
+    }
+
     pub(super) fn set_child(&mut self, at: usize, head: u64) {
         self.children[at] = head;
     }

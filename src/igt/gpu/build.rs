@@ -3,10 +3,10 @@
 //! Atomics hand out slots in any order; the order pass makes the result independent of them.
 
 use super::super::build::{Lists, check_layout};
-use super::super::gutter::Needs;
+use super::super::gutter::{Needs, fill as host_gutter};
 use super::super::{BuildOptions, Reference, Tables, finish};
 use super::cover::{Covered, cover};
-use super::{groups, gutter, scan};
+use super::{groups, gutter, portions, scan};
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, ComputeShader, Context, Pipeline, Recorder, Timings, shaders};
 
@@ -19,11 +19,30 @@ pub struct Timed {
     pub timings: Vec<Timings>,
 }
 
-/// Builds the tables on a device. The bytes equal those of [`build_cpu`](super::super::build_cpu).
+/// Builds the tables on a device. The bytes equal those of [`build_cpu`](super::super::build_cpu). What has no room on the
+/// device at once goes in portions.
 ///
 /// # Errors
-/// Those of the CPU build, and [`Error::Capacity`] where the work does not fit a storage buffer of the device.
+/// Those of the CPU build, and [`Error::Capacity`] where the hash texture does not fit a storage buffer of the device.
 pub fn build(
+    context: &Context,
+    reference: &Reference,
+    needs: &Needs,
+    options: BuildOptions,
+) -> Result<Timed> {
+    let portion = portions::portion(context, reference);
+    let whole = || build_in_portions(context, reference, needs, options, portion);
+    if portion < reference.triangles.len() {
+        return whole();
+    }
+    match build_at_once(context, reference, needs, options) {
+        // Longer lists than triangles usually have.
+        Err(Error::Capacity { .. }) => whole(),
+        built => built,
+    }
+}
+
+fn build_at_once(
     context: &Context,
     reference: &Reference,
     needs: &Needs,
@@ -46,6 +65,42 @@ pub fn build(
         tables,
         timings: work.timings,
     })
+}
+
+/// [`build`], at most `portion` triangles at a time. The gutter is searched on the host, which has all lists.
+pub fn build_in_portions(
+    context: &Context,
+    reference: &Reference,
+    needs: &Needs,
+    options: BuildOptions,
+    portion: usize,
+) -> Result<Timed> {
+    let bits = options.bits()?;
+    check_layout(reference, options)?;
+    let (need, have) = (
+        ((1 << (2 * bits)) + 1) * 4,
+        context.info().limits.storage_buffer_bytes,
+    );
+    if need > have {
+        let what = format!("bytes of a hash texture of {0} x {0} texels", options.hash);
+        return Err(Error::Capacity { what, need, have });
+    }
+    let mut timings = Vec::new();
+    let lists = portions::lists(reference, portion, |part| {
+        let mut work = Work {
+            context,
+            reference: part,
+            bits,
+            timings: Vec::new(),
+        };
+        let covered = cover(&mut work)?;
+        let raw = order(&mut work, &covered)?;
+        timings.append(&mut work.timings);
+        download(context, &raw, bits)
+    })?;
+    let gutter = host_gutter(reference, bits, &lists, needs);
+    let tables = finish::tables(reference, options, &lists, &gutter)?;
+    Ok(Timed { tables, timings })
 }
 
 /// What every pass works on, and the times so far.

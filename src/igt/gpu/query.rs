@@ -1,13 +1,16 @@
 //! Lookups on a device, one thread a point. Shader: `glsl/igt/query.comp`; twin of [`Tables::lookup_with_cost`].
 
 use super::super::{Asker, Cost, Found, Tables};
+use super::pages;
+use super::query_paged::query_in_pages;
 use crate::error::Result;
 use crate::gpu::{Bound, Buffer, Context, Pipeline, Timings, shaders::igt_query as pass};
 
 /// Points of one dispatch: no buffer outgrows a device's storage range.
-const BLOCK: usize = 1 << 20;
+pub(super) const BLOCK: usize = 1 << 20;
 
-/// [`Tables::lookup_with_cost`] for many points on a device; the answers are the same, bit for bit.
+/// [`Tables::lookup_with_cost`] for many points on a device; the answers are the same, bit for bit. Tables beyond
+/// the device's storage buffers are asked in pages.
 pub fn query(
     context: &Context,
     tables: &Tables,
@@ -17,6 +20,9 @@ pub fn query(
 ) -> Result<Vec<(Option<Found>, Cost)>> {
     if points.is_empty() {
         return Ok(Vec::new());
+    }
+    if let Some(page_bits) = pages::bits(context, tables) {
+        return query_in_pages(context, tables, points, asker, nearest, page_bits);
     }
     let loaded = Loaded::new(context, tables, points.len())?;
     let asker = asker.into();
@@ -116,7 +122,7 @@ impl<'a> Loaded<'a> {
 }
 
 /// An answer of the shader.
-fn answer(words: &[u32; 8]) -> (Option<Found>, Cost) {
+pub(super) fn answer(words: &[u32; 8]) -> (Option<Found>, Cost) {
     let cost = Cost {
         fetches: words[4],
         tests: words[6],

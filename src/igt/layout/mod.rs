@@ -84,6 +84,7 @@ impl Format {
         let entries_fit = match layout {
             Layout::Packed => {
                 layer <= 8
+                    && bits > 0
                     && bits + layer <= packed::MAX_ENTRY_BITS
                     && (triangles as u64) < 1 << bits
             }

@@ -165,7 +165,13 @@ impl Record {
             return None;
         }
         let lost = |r: &[u32]| r[3] & IS_WIDE != 0 && 4 * (r[0] as usize) + 8 > have;
-        let t = table[..want].chunks_exact(4).position(lost)?;
+        const PIECE: usize = 1 << 14;
+        let in_piece = |(piece, records): (usize, &[u32])| {
+            let t = records.chunks_exact(4).position(lost)?;
+            Some(piece * PIECE + t)
+        };
+        let pieces = table[..want].par_chunks(4 * PIECE).enumerate();
+        let t = pieces.find_map_first(in_piece)?;
         Some((
             format!("triangle[{t}]"),
             "its wide record does not exist".into(),
