@@ -229,7 +229,7 @@ fn spoil_tables(tables: &Tables, random: &mut Random) -> Tables {
         match random.below(6) {
             0..3 => words[at] ^= 1 << random.below(32),
             3 => words[at] = *random.pick(&[0, 1, u32::MAX, 1 << 31, 0xff, 0xff00_0000]),
-            4 => words[at] = *random.pick(&words.to_vec()),
+            4 => words[at] = *random.pick(words),
             _ => words.to_mut().truncate(at),
         }
     }
