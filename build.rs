@@ -42,7 +42,10 @@ fn main() {
 fn shaders() -> Result<(), String> {
     let sources = source::find("glsl")?;
     #[cfg(feature = "compile-shaders")]
-    compile::refresh(&sources)?;
+    {
+        compile::refresh(&sources)?;
+        compile::embed()?;
+    }
     let binaries = manifest::read(&sources)?;
     let mut interfaces = Vec::new();
     for (source, binary) in sources.iter().zip(&binaries) {

@@ -26,6 +26,22 @@ pub(crate) fn refresh(sources: &[Source]) -> Result<(), String> {
     }
 }
 
+/// Writes `OUT_DIR/sources.rs`: every file below `glsl/` by its path there, for compiling at run time.
+pub(crate) fn embed() -> Result<(), String> {
+    let mut list = String::from("&[\n");
+    for folder in ["common", "render"] {
+        for file in source::entries(&format!("glsl/{folder}"))? {
+            let path = format!("{folder}/{file}");
+            list += &format!(
+                "    ({path:?}, include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/glsl/{path}\"))),\n"
+            );
+        }
+    }
+    let out = std::env::var("OUT_DIR").map_err(|error| error.to_string())?;
+    fs::write(format!("{out}/sources.rs"), list + "]\n")
+        .map_err(|error| format!("{out}/sources.rs: {error}"))
+}
+
 fn compile(compiler: &Compiler, source: &Source) -> Result<Vec<u8>, String> {
     let mut options = CompileOptions::new().map_err(|error| error.to_string())?;
     options.set_target_env(TargetEnv::Vulkan, EnvVersion::Vulkan1_2 as u32);

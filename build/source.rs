@@ -100,7 +100,8 @@ fn include_of(line: &str) -> Option<&str> {
     rest.split('"').nth(1)
 }
 
-fn entries(folder: &str) -> Result<Vec<String>, String> {
+/// Names of what is in a folder.
+pub(crate) fn entries(folder: &str) -> Result<Vec<String>, String> {
     let listing = fs::read_dir(folder).map_err(|error| format!("{folder}: {error}"))?;
     listing
         .map(|entry| entry.map(|entry| entry.file_name().to_string_lossy().into_owned()))

@@ -122,6 +122,10 @@ fn what_cannot_be_shown_is_refused_before_anything_is_written() {
             &["--occlusion-reach"],
         ),
         ("_HEAT:a..b", &[], &["LOW..HIGH"]),
+        ("volume", &[], &["--volume FILE"]),
+        ("wood", &["--solid-scale", "0"], &["--solid-scale", "0.001"]),
+        ("part", &["--time", "1"], &["--time", "--animation"]),
+        ("procedural", &[], &["--procedural FILE.glsl"]),
     ] {
         let arguments = [
             &[
@@ -159,4 +163,88 @@ fn what_cannot_be_shown_is_refused_before_anything_is_written() {
         "base-color",
     ])
     .fails(3, &["balls", "TEXCOORD_0"]);
+}
+
+#[test]
+fn solids_move_and_volumes_are_read_from_a_strip_or_a_folder() {
+    let folder = Folder::new();
+    let model = folder.write("m.glb", &Painted::default().glb());
+    let out = folder.at("f");
+    let base = [
+        "render", &model, "--device", "cpu", "--size", "32", "--json", "-o",
+    ];
+    let moving = ["--attribute", "cellular", "--time", "0..4", "--frames", "3"];
+    let json = invertex(&[&base[..], &[&out], &moving].concat())
+        .ok()
+        .json();
+    let images = json["images"].as_array().unwrap();
+    let of = |k: usize, key: &str| images[k][key].clone();
+    assert_eq!((images.len(), of(1, "time")), (3, 2.0.into()));
+    assert_ne!(of(0, "sha256"), of(1, "sha256"));
+    assert_eq!(of(0, "sha256"), of(2, "sha256"), "four seconds are a round");
+    let strip = painted::strip();
+    let file = folder.write("v.png", &strip);
+    let slices = folder.path().join("slices");
+    std::fs::create_dir(&slices).unwrap();
+    let whole = image::load_from_memory(&strip).unwrap();
+    for k in 0..8 {
+        whole
+            .crop_imm(0, 8 * k, 8, 8)
+            .save(slices.join(format!("{k}.png")))
+            .unwrap();
+    }
+    let slices = slices.display().to_string();
+    let one = folder.at("one.png");
+    let draw = |volume: &str| {
+        let shown = [
+            "--attribute",
+            "volume",
+            "--volume",
+            volume,
+            "--solid-scale",
+            "2",
+        ];
+        invertex(&[&base[..], &[&one], &shown].concat())
+    };
+    let sha = |volume: &str| draw(volume).ok().json()["images"][0]["sha256"].clone();
+    assert_eq!(sha(&file), sha(&slices));
+    std::fs::remove_file(&one).unwrap();
+    let narrow = folder.write("narrow.png", &painted::oblong(8, 12, |_, _| [0; 3]));
+    draw(&narrow).fails(3, &["narrow.png", "8x12"]);
+    draw(&model).fails(3, &["m.glb"]);
+    draw(&folder.at("absent.png")).fails(3, &["absent.png"]);
+    assert!(!std::path::Path::new(&one).exists());
+}
+
+#[test]
+fn a_users_function_that_cannot_be_had_is_an_error() {
+    let folder = Folder::new();
+    let model = folder.write("m.glb", &Painted::default().glb());
+    let out = folder.at("o.png");
+    let broken = folder.write(
+        "mine.glsl",
+        b"vec3 igt_procedural(vec3 p, vec3 n, float t) {\n  return q;\n}\n",
+    );
+    let with = |file: &str, device: &str| {
+        invertex(&[
+            "render",
+            &model,
+            "-o",
+            &out,
+            "--attribute",
+            "procedural",
+            "--procedural",
+            file,
+            "--device",
+            device,
+        ])
+    };
+    if cfg!(feature = "compile-shaders") {
+        with(&broken, "cpu").fails(2, &["--procedural", "Vulkan device"]);
+        with(&broken, "0").fails(3, &["mine.glsl:2: error: 'q' : undeclared identifier"]);
+        with(&folder.at("absent.glsl"), "0").fails(3, &["absent.glsl"]);
+    } else {
+        with(&broken, "cpu").fails(2, &["--attribute", "--features compile-shaders"]);
+    }
+    assert_eq!(folder.names(), ["m.glb", "mine.glsl"]);
 }

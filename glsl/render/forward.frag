@@ -40,6 +40,7 @@ uvec4 igt_attribute_triangle(uint i) { return attribute_triangles.quads[2u * i];
 uvec4 igt_attribute_uv(uint i) { return attribute_triangles.quads[2u * i + 1u]; }
 float igt_attribute_float(uint i) { return attribute_vertices.words[i]; }
 uint igt_material_word(uint i) { return materials.words[i]; }
+uint igt_texture_word(uint i) { return textures.words[i]; }
 
 uint igt_hash_base;
 uint igt_list_base;
@@ -123,7 +124,7 @@ void main() {
         gl_FragDepth = max(gl_FragCoord.z, min(stepped, 1.0));
     }
     if (known_shown && found.known) {
-        igt_show(surface, found.point, found.point.triangle - draws.records[draw].attribute_base);
+        igt_show(surface, found.point, found.point.triangle - draws.records[draw].attribute_base, view.time);
     }
     colour = (view.flags & 3u) == 2u ? vec4(surface.normal * 0.5 + 0.5, 1.0) : vec4(radiance(surface, world), 1.0);
 }

@@ -18,7 +18,10 @@ layout(constant_id = 6) const uint known_slots = 31u;
 layout(constant_id = 7) const bool known_recorded = false;
 // Whether an attribute is shown in place of base colour.
 layout(constant_id = 8) const bool known_shown = false;
+// Whether that is a solid texture, a 3-D image or a function.
+layout(constant_id = 17) const bool known_solid = false;
 #define IGT_KNOWN_SLOTS known_slots
+#define IGT_KNOWN_SOLID known_solid
 #define IGT_KNOWN_RECORDED known_recorded
 
 #endif

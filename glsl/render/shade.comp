@@ -252,7 +252,7 @@ Shaded shaded(uint id, ivec2 at) {
         surface.normal = -surface.normal;
     }
     if (known_shown && found.known) {
-        igt_show(surface, found.point, s.triangle);
+        igt_show(surface, found.point, s.triangle, view.time);
     }
     colour_of(s, surface, draw, drawn, here);
     return s;

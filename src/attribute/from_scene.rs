@@ -4,7 +4,8 @@
 //! that the shading reads are decoded. An image that cannot be decoded is replaced by a neutral texel, with a warning.
 
 use super::material::{Alpha, MATERIAL_WORDS, Material, Slot, SlotBinding};
-use super::show::{FACTOR_WORDS, FACTORS_AT, KEEP, SHOWN_AT};
+use super::named::Factor;
+use super::show::{FACTOR_WORDS, FACTORS_AT, KEEP, SHOWN_AT, SOLID, VOLUME, kind};
 use super::shown::{Shown, missing_uv, uv_sets};
 use super::surface::AttributeSet;
 use super::texture::{Pixels, Sampler, TextureSet, Wrap};
@@ -32,16 +33,24 @@ pub fn attributes_showing(
     shown: &Shown,
 ) -> Result<(AttributeSet, Vec<String>)> {
     let (mut set, warnings) = read(scene, lit, Some(shown))?;
+    let volume = match &shown.volume {
+        Some(volume) if shown.has(&Factor::Volume) => volume.add(&mut set.textures)?,
+        _ => 0,
+    };
     let count = shown.factors.len() as u32;
     let keep = u32::from(shown.keeps_material()) * KEEP;
     for record in set.materials.chunks_mut(MATERIAL_WORDS) {
         record[SHOWN_AT] = count | keep;
-        for (k, factor) in shown.factors.iter().enumerate() {
-            record[FACTORS_AT + k * FACTOR_WORDS..][..FACTOR_WORDS].copy_from_slice(factor);
+        for (k, &[word, more]) in shown.factors.iter().enumerate() {
+            let more = if kind(word) == VOLUME { volume } else { more };
+            record[FACTORS_AT + k * FACTOR_WORDS..][..FACTOR_WORDS].copy_from_slice(&[word, more]);
         }
     }
     set.extra = shown.extra.clone();
     set.data = shown.attribute().is_data();
+    set.solid = shown.factors.iter().any(|f| kind(f[0]) >= SOLID);
+    let function = shown.procedural.clone();
+    set.procedural = function.filter(|_| shown.has(&Factor::Procedural));
     Ok((set, warnings))
 }
 

@@ -5,23 +5,30 @@
 //! ([`surface`](self)) and the shaders (`glsl/common/surface.glsl`) read alike, and evaluate to the same bits.
 
 pub(crate) mod arithmetic;
+mod columns;
 mod from_scene;
 mod material;
 mod mips;
 mod named;
 mod occlusion;
+mod procedural;
 mod rays;
 pub(crate) mod sample;
 mod show;
 mod shown;
+mod solid;
 pub(crate) mod surface;
 pub(crate) mod texture;
 mod uv_record;
+mod volume;
 
 pub use from_scene::{attributes_of, attributes_showing};
 pub use material::{Alpha, Material, Slot, SlotBinding};
 pub use named::{Attribute, Factor, MOST_FACTORS, VertexAttribute};
 pub use occlusion::OcclusionOptions;
+pub use procedural::Procedural;
 pub use shown::{Shown, ShownOptions};
+pub use solid::Solid;
 pub use surface::AttributeSet;
 pub use texture::{Pixels, Sampler, TextureSet, Wrap};
+pub use volume::Volume;

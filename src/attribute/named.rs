@@ -6,6 +6,7 @@
 //! A factor is a colour or data. Colours are linear light: they are lit and written as sRGB like any base colour. Data is
 //! written as it is, one step of 8 bits for 1/255, and never lit. A product with a colour in it is a colour.
 
+use super::solid::Solid;
 use crate::{Error, Result};
 use std::fmt;
 use std::str::FromStr;
@@ -48,6 +49,12 @@ pub enum Factor {
     Material,
     /// A colour of its own for each connected part.
     Part,
+    /// A solid texture, cut by the reference at rest.
+    Solid(Solid),
+    /// A 3-D image of the user's ([`super::Volume`]), cut alike.
+    Volume,
+    /// A function of the user's ([`super::Procedural`]).
+    Procedural,
 }
 
 /// What is known of each vertex.
@@ -67,7 +74,7 @@ pub enum VertexAttribute {
 }
 
 /// Factors that are one word, and whether each is data.
-const WORDS: [(&str, Factor, bool); 9] = [
+const WORDS: [(&str, Factor, bool); 15] = [
     ("base-color", Factor::BaseColor, false),
     ("normal-map", Factor::NormalMap, true),
     ("metallic-roughness", Factor::MetallicRoughness, true),
@@ -77,6 +84,12 @@ const WORDS: [(&str, Factor, bool); 9] = [
     ("triangle-color", Factor::TriangleColor, false),
     ("material", Factor::Material, false),
     ("part", Factor::Part, false),
+    ("wood", Factor::Solid(Solid::Wood), false),
+    ("marble", Factor::Solid(Solid::Marble), false),
+    ("cellular", Factor::Solid(Solid::Cellular), false),
+    ("checker3d", Factor::Solid(Solid::Checker), false),
+    ("volume", Factor::Volume, false),
+    ("procedural", Factor::Procedural, false),
 ];
 
 impl Attribute {
@@ -88,6 +101,12 @@ impl Attribute {
     /// Whether it is written as it is, unlit: where all factors are data.
     pub fn is_data(&self) -> bool {
         self.factors.iter().all(Factor::is_data)
+    }
+
+    /// Whether it may look different at another time.
+    pub fn varies(&self) -> bool {
+        let varying = |f: &Factor| matches!(f, Factor::Solid(_) | Factor::Procedural);
+        self.factors.iter().any(varying)
     }
 
     /// What can be asked for, in words.

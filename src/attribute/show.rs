@@ -5,6 +5,7 @@
 
 use super::arithmetic::{V3, mul3};
 use super::material::MATERIAL_WORDS;
+use super::solid::{self, id_color};
 use super::surface::{AttributeSet, Surface, SurfacePoint};
 
 /// Where a material record says how many factors there are, and whether metalness and emission are kept ([`KEEP`]).
@@ -26,6 +27,9 @@ pub(crate) const VERTEX: u32 = 7;
 pub(crate) const TRIANGLE_COLOR: u32 = 8;
 pub(crate) const MATERIAL: u32 = 9;
 pub(crate) const PART: u32 = 10;
+pub(crate) const SOLID: u32 = 11;
+pub(crate) const VOLUME: u32 = 12;
+pub(crate) const FUNCTION: u32 = 13;
 const KIND_MASK: u32 = 0xff;
 const FLAT: u32 = 0x800;
 
@@ -35,20 +39,51 @@ pub(crate) fn word(kind: u32, width: usize, flat: bool, at: usize) -> u32 {
     kind | ((width as u32) << 8) | (u32::from(flat) * FLAT) | ((at as u32) << 16)
 }
 
+/// What a factor with this first word is.
+pub(super) fn kind(word: u32) -> u32 {
+    word & KIND_MASK
+}
+
+/// What a factor is evaluated from.
+struct At<'a> {
+    /// [`super::arithmetic::srgb_decode_table`].
+    decode: &'a [f32],
+    corner: [u32; 4],
+    b: V3,
+    /// Number of the triangle in its own mesh.
+    triangle: u32,
+    /// Seconds.
+    time: f32,
+}
+
 impl AttributeSet {
     /// Puts the attribute that is shown, if any, in place of `surface`'s base colour at `p`; `triangle` is its number in its
     /// own mesh. `surface.normal` is the one that is lit.
-    pub(crate) fn show(&self, surface: &mut Surface, p: &SurfacePoint, triangle: u32) {
+    pub(crate) fn show(
+        &self,
+        decode: &[f32],
+        surface: &mut Surface,
+        p: &SurfacePoint,
+        triangle: u32,
+        time: f32,
+    ) {
         let corner = self.triangles[p.triangle as usize][0];
         let m = corner[3] as usize * MATERIAL_WORDS;
         let shown = self.materials[m + SHOWN_AT];
         if shown == 0 {
             return;
         }
+        let at = At {
+            decode,
+            corner,
+            b: p.b,
+            triangle,
+            time,
+        };
         let mut product = [1.0; 3];
         for k in 0..(shown & KIND_MASK) as usize {
-            let factor = self.materials[m + FACTORS_AT + k * FACTOR_WORDS];
-            product = mul3(product, self.factor(factor, corner, surface, p.b, triangle));
+            let words = &self.materials[m + FACTORS_AT + k * FACTOR_WORDS..];
+            product = mul3(product, self.factor([words[0], words[1]], surface, &at));
         }
         let [r, g, b] = product;
         surface.base = [r, g, b, surface.base[3]];
@@ -58,8 +93,8 @@ impl AttributeSet {
         }
     }
 
-    fn factor(&self, word: u32, corner: [u32; 4], surface: &Surface, b: V3, triangle: u32) -> V3 {
-        let at = word >> 16;
+    fn factor(&self, [word, more]: [u32; FACTOR_WORDS], surface: &Surface, at: &At) -> V3 {
+        let (first, corner, b) = (word >> 16, at.corner, at.b);
         match word & KIND_MASK {
             BASE_COLOR => [surface.base[0], surface.base[1], surface.base[2]],
             NORMAL_MAP => surface.bump,
@@ -68,19 +103,29 @@ impl AttributeSet {
             OCCLUSION_MAP => [surface.occlusion; 3],
             NORMAL => surface.normal.map(|c| c * 0.5 + 0.5),
             VERTEX => {
-                let b = if word & FLAT != 0 { [1.0, 0.0, 0.0] } else { b };
-                let number = |k: u32| self.vertex_number(word, corner, at + k, b);
+                let number = |k: u32| self.vertex_number(word, corner, first + k, b);
                 match word >> 8 & 7 {
                     1 => [number(0); 3],
                     2 => [number(0), number(1), 0.0],
                     _ => [0, 1, 2].map(number),
                 }
             }
-            TRIANGLE_COLOR => id_color(triangle),
+            TRIANGLE_COLOR => id_color(at.triangle),
             MATERIAL => id_color(corner[3]),
-            PART => id_color(self.float(corner[0] + at) as i32 as u32),
+            PART => id_color(self.float(corner[0] + first) as i32 as u32),
+            SOLID => solid::color(more, self.place(corner, first, b), at.time),
+            VOLUME => self.volume(at.decode, more, self.place(corner, first, b)),
             _ => [0.0; 3],
         }
+    }
+
+    /// The place that three vertices' numbers from `word` on say, by the last two barycentrics alone: these are what a point
+    /// of the surface is told by, and one point has one place to the bit.
+    fn place(&self, corner: [u32; 4], word: u32, b: V3) -> V3 {
+        [0, 1, 2].map(|i| {
+            let [p, q, r] = [0, 1, 2].map(|k| self.float(corner[k] + word + i));
+            p + (b[1] * (q - p) + b[2] * (r - p))
+        })
     }
 
     fn vertex_number(&self, word: u32, corner: [u32; 4], at: u32, b: V3) -> f32 {
@@ -88,43 +133,6 @@ impl AttributeSet {
             self.float(corner[0] + at)
         } else {
             self.weighted(corner, at, b)
-        }
-    }
-}
-
-/// A colour for a number, linear: hues a golden section apart, so that neighbours differ, in four shades.
-pub(crate) fn id_color(id: u32) -> V3 {
-    let turned = id.wrapping_mul(0x9e37_79b9);
-    let hue = (turned >> 16) as i32 as f32 * (6.0 / 65536.0);
-    let shade = (id.wrapping_mul(0x85eb_ca6b) >> 30) as i32 as f32;
-    let light = 0.9 - 0.17 * shade;
-    let ramp = [
-        (hue - 3.0).abs() - 1.0,
-        2.0 - (hue - 2.0).abs(),
-        2.0 - (hue - 4.0).abs(),
-    ];
-    ramp.map(|x| (0.12 + 0.88 * x.clamp(0.0, 1.0)) * light)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn colours_of_numbers_are_in_range_and_neighbours_differ() {
-        let apart = |a: V3, b: V3| (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f32::max);
-        for id in 0..5000u32 {
-            let here = id_color(id);
-            assert!(
-                here.iter().all(|c| (0.0..=1.0).contains(c)),
-                "{id}: {here:?}"
-            );
-            for near in 1..4 {
-                assert!(
-                    apart(here, id_color(id + near)) > 0.12,
-                    "{id} and {near} more"
-                );
-            }
         }
     }
 }

@@ -4,12 +4,15 @@
 //! carry besides normal, tangent, colour and uv. All of it is of the model at rest, so a point of the reference shows the
 //! same in every pose and on every level of detail.
 
+use super::columns::{Column, column};
 use super::material::Slot;
 use super::named::{Attribute, Factor, VertexAttribute, wrong};
-use super::occlusion::{self, OcclusionOptions};
+use super::occlusion::OcclusionOptions;
+use super::procedural::Procedural;
 use super::show::{self, FACTOR_WORDS};
 use super::surface::UV_AT;
-use crate::mesh::{self, Mesh, Weld};
+use super::volume::Volume;
+use crate::mesh::Mesh;
 use crate::scene::{self, AlphaMode, Scene, TextureRef};
 use crate::{Error, Result};
 use std::collections::BTreeSet;
@@ -37,13 +40,32 @@ pub struct Shown {
     attribute: Attribute,
     pub(super) factors: Vec<[u32; FACTOR_WORDS]>,
     pub(super) extra: Extra,
+    pub(super) volume: Option<Volume>,
+    pub(super) procedural: Option<Procedural>,
 }
 
 /// How what has to be computed is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ShownOptions {
     /// Of [`VertexAttribute::Occlusion`].
     pub occlusion: OcclusionOptions,
+    /// How many times as fine solid textures and volumes are.
+    pub scale: f32,
+    /// What [`Factor::Volume`] is.
+    pub volume: Option<Volume>,
+    /// What [`Factor::Procedural`] is.
+    pub procedural: Option<Procedural>,
+}
+
+impl Default for ShownOptions {
+    fn default() -> Self {
+        ShownOptions {
+            occlusion: OcclusionOptions::default(),
+            scale: 1.0,
+            volume: None,
+            procedural: None,
+        }
+    }
 }
 
 /// Numbers that vertices carry behind their uv sets.
@@ -53,12 +75,6 @@ pub(super) struct Extra {
     pub(super) width: usize,
     /// Of each mesh of the scene, vertex after vertex.
     pub(super) meshes: Arc<Vec<Vec<f32>>>,
-}
-
-/// Numbers of one factor.
-struct Column {
-    width: usize,
-    meshes: Vec<Vec<f32>>,
 }
 
 impl Shown {
@@ -78,8 +94,13 @@ impl Shown {
         let mut width = 0;
         for factor in attribute.factors() {
             check(scene, factor)?;
+            check_options(factor, options)?;
             let column = column(scene, factor, options, progress)?;
-            factors.push([word(factor, column.as_ref(), first + width), 0]);
+            let more = match factor {
+                Factor::Solid(solid) => *solid as u32,
+                _ => 0,
+            };
+            factors.push([word(factor, column.as_ref(), first + width), more]);
             width += column.as_ref().map_or(0, |c| c.width);
             columns.extend(column);
         }
@@ -102,6 +123,8 @@ impl Shown {
                 width,
                 meshes: Arc::new(meshes),
             },
+            volume: options.volume.clone(),
+            procedural: options.procedural.clone(),
         })
     }
 
@@ -110,7 +133,7 @@ impl Shown {
         &self.attribute
     }
 
-    fn has(&self, factor: &Factor) -> bool {
+    pub(super) fn has(&self, factor: &Factor) -> bool {
         self.attribute.factors().contains(factor)
     }
 
@@ -156,6 +179,9 @@ fn word(factor: &Factor, column: Option<&Column>, at: usize) -> u32 {
         Factor::TriangleColor => plain(show::TRIANGLE_COLOR),
         Factor::Material => plain(show::MATERIAL),
         Factor::Part => show::word(show::PART, 1, true, at),
+        Factor::Solid(_) => show::word(show::SOLID, 3, false, at),
+        Factor::Volume => show::word(show::VOLUME, 3, false, at),
+        Factor::Procedural => show::word(show::FUNCTION, 3, false, at),
         Factor::Vertex { of, flat } => match of {
             VertexAttribute::Color => show::word(show::VERTEX, 3, *flat, 7),
             _ => show::word(show::VERTEX, width, *flat, at),
@@ -210,6 +236,28 @@ fn check(scene: &Scene, factor: &Factor) -> Result<()> {
     }
 }
 
+/// Refuses what the options do not give.
+fn check_options(factor: &Factor, options: &ShownOptions) -> Result<()> {
+    match factor {
+        Factor::Solid(_) | Factor::Volume if !(1e-3..=1e3).contains(&options.scale) => {
+            Err(Error::Option {
+                option: "--solid-scale",
+                reason: format!("{} is outside 0.001 to 1000", options.scale),
+            })
+        }
+        Factor::Volume if options.volume.is_none() => {
+            Err(wrong("volume needs a 3-D image: --volume FILE or FOLDER"))
+        }
+        Factor::Procedural if options.procedural.is_none() => {
+            Err(wrong("procedural needs a function: --procedural FILE.glsl"))
+        }
+        Factor::Procedural if !cfg!(feature = "compile-shaders") => Err(wrong(
+            "procedural needs an invertex that can compile shaders: cargo install --path . --features compile-shaders",
+        )),
+        _ => Ok(()),
+    }
+}
+
 type Texture = fn(&scene::Material) -> Option<TextureRef>;
 
 fn has_map(scene: &Scene, what: &str, texture: Texture) -> Result<()> {
@@ -250,65 +298,4 @@ pub(super) fn missing_uv(
         let set = texture(scene.materials.get(m as usize)?)?.uv_set;
         (set >= mesh.uv_sets.len()).then_some((m as usize, set))
     })
-}
-
-/// The numbers of a factor that are not among the vertices' words already.
-fn column(
-    scene: &Scene,
-    factor: &Factor,
-    options: &ShownOptions,
-    progress: &dyn Fn(usize, usize),
-) -> Result<Option<Column>> {
-    let one = |meshes| Some(Column { width: 1, meshes });
-    Ok(match factor {
-        Factor::Part => one(parts(scene)),
-        Factor::Vertex { of, .. } => match of {
-            VertexAttribute::Color => None,
-            VertexAttribute::Occlusion => {
-                one(occlusion::cast(scene, &options.occlusion, progress)?)
-            }
-            VertexAttribute::Custom { name, range } => Some(custom(scene, name, *range)),
-        },
-        _ => None,
-    })
-}
-
-/// For each vertex the number of its connected part, parts of all meshes counted in one run.
-fn parts(scene: &Scene) -> Vec<Vec<f32>> {
-    let mut before = 0;
-    let mut of_mesh = |mesh: &Mesh| {
-        let weld = Weld::by_position(&mesh.positions);
-        let parts = mesh::components(&weld.triangles(&mesh.triangles), mesh.positions.len());
-        let mut number = vec![0.0; mesh.positions.len()];
-        for (triangle, part) in mesh.triangles.iter().zip(&parts.of) {
-            triangle
-                .iter()
-                .for_each(|&v| number[v as usize] = (before + *part as usize) as f32);
-        }
-        before += parts.count;
-        number
-    };
-    scene.meshes.iter().map(&mut of_mesh).collect()
-}
-
-/// A custom attribute; 0 where a mesh lacks it.
-fn custom(scene: &Scene, name: &str, range: Option<[f32; 2]>) -> Column {
-    let named = |m: &'_ Mesh| m.custom.iter().find(|c| c.name == name).map(|c| c.width);
-    let width = scene.meshes.iter().filter_map(named).max().unwrap_or(1);
-    let scaled = |x: f32| range.map_or(x, |[low, high]| (x - low) / (high - low));
-    let of_mesh = |mesh: &Mesh| {
-        let own = mesh.custom.iter().find(|c| c.name == name);
-        let number = |i: usize| match own {
-            Some(own) if i % width < own.width => own.values[i / width * own.width + i % width],
-            _ => 0.0,
-        };
-        (0..mesh.positions.len() * width)
-            .map(number)
-            .map(scaled)
-            .collect()
-    };
-    Column {
-        width,
-        meshes: scene.meshes.iter().map(of_mesh).collect(),
-    }
 }

@@ -10,6 +10,7 @@ use super::arithmetic::{V3, add3, cross3, dot3, mul3, scale3, unit3};
 use super::material::{
     FLAGS_AT, MATERIAL_WORDS, Material, NO_TEXTURE, RECORD_AT, SLOT_WORDS, SLOTS_AT,
 };
+use super::procedural::Procedural;
 use super::sample::UvGradient;
 #[cfg(feature = "gpu")]
 use super::show::SHOWN_AT;
@@ -41,6 +42,10 @@ pub struct AttributeSet {
     pub(super) extra: Extra,
     /// Whether what is shown in place of base colour is data.
     pub(super) data: bool,
+    /// Whether a solid texture, a 3-D image or a function is among its factors.
+    pub(super) solid: bool,
+    /// The user's function, where one is a factor of what is shown.
+    pub(super) procedural: Option<Procedural>,
 }
 
 /// A point of the reference and how it moves to the next pixel in x and in y.
@@ -101,12 +106,23 @@ impl AttributeSet {
         self.data
     }
 
+    /// The function of the user's that these show, which a device compiles: the processor cannot draw it.
+    pub fn procedural(&self) -> Option<&Procedural> {
+        self.procedural.as_ref()
+    }
+
     /// Whether anything is shown in place of the materials' base colour.
     #[cfg(feature = "gpu")]
     pub(crate) fn is_shown(&self) -> bool {
         self.materials
             .get(SHOWN_AT)
             .is_some_and(|&shown| shown != 0)
+    }
+
+    /// Whether that is a solid texture, a 3-D image or a function, alone or as a factor.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn is_solid(&self) -> bool {
+        self.solid
     }
 
     /// Appends a mesh that belongs to no scene; returns the number of its first triangle.

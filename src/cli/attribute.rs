@@ -2,8 +2,10 @@
 //!
 //! In: the options. Out: a [`Shown`], made ready for the model at hand.
 
+use std::path::PathBuf;
+
 use invertex::Result;
-use invertex::attribute::{Attribute, OcclusionOptions, Shown, ShownOptions};
+use invertex::attribute::{Attribute, OcclusionOptions, Procedural, Shown, ShownOptions, Volume};
 use invertex::scene::Scene;
 
 use super::drawing::Mode;
@@ -14,9 +16,10 @@ use super::{Common, bad_option};
 #[derive(clap::Args)]
 pub(super) struct Showing {
     /// Show this in place of the material's base colour: base-color, emissive, color (COLOR_0), triangle-color, material,
-    /// part; or data, never lit: normal, normal-map, metallic-roughness, occlusion-map, occlusion (cast here), a custom
-    /// attribute of the file as _NAME or _NAME:LOW..HIGH. `flat:` before color, occlusion or _NAME takes each triangle's
-    /// first corner. A*B is the product, at most four.
+    /// part; wood, marble, cellular, checker3d, volume (--volume), procedural (--procedural); or data, never lit: normal,
+    /// normal-map, metallic-roughness, occlusion-map, occlusion (cast here), a custom attribute of the file as _NAME or
+    /// _NAME:LOW..HIGH. `flat:` before color, occlusion or _NAME takes each triangle's first corner. A*B is the product, at
+    /// most four.
     #[arg(
         long,
         value_name = "NAME[*NAME..]",
@@ -41,6 +44,34 @@ pub(super) struct Showing {
         allow_hyphen_values = true
     )]
     occlusion_reach: Option<f32>,
+    /// How many times as fine wood, marble, cellular, checker3d and volume are. Default: 1, where a volume is as large as the
+    /// model.
+    #[arg(
+        long,
+        value_name = "X",
+        requires = "attribute",
+        help_heading = "Attribute",
+        allow_hyphen_values = true
+    )]
+    solid_scale: Option<f32>,
+    /// The 3-D image of the attribute volume: a picture of square slices one below the other, or a folder of slices. Slice 0
+    /// is where z is least, y is up.
+    #[arg(
+        long,
+        value_name = "FILE|FOLDER",
+        requires = "attribute",
+        help_heading = "Attribute"
+    )]
+    volume: Option<PathBuf>,
+    /// The function of the attribute procedural: GLSL with vec3 igt_procedural(vec3 position, vec3 normal, float time),
+    /// position of the reference at rest in the file's unit, time in seconds, a linear colour. Needs a device.
+    #[arg(
+        long,
+        value_name = "FILE.glsl",
+        requires = "attribute",
+        help_heading = "Attribute"
+    )]
+    procedural: Option<PathBuf>,
 }
 
 impl Showing {
@@ -83,6 +114,13 @@ impl Showing {
                 samples: self.occlusion_samples.unwrap_or(usual.samples),
                 reach: self.occlusion_reach.unwrap_or(usual.reach),
             },
+            scale: self.solid_scale.unwrap_or(1.0),
+            volume: self.volume.as_deref().map(Volume::load).transpose()?,
+            procedural: self
+                .procedural
+                .as_deref()
+                .map(Procedural::load)
+                .transpose()?,
         };
         let bar = Bar::new(common, 1);
         let heard = |done: usize, of: usize| bar.at("occlusion", done as u64, of as u64);

@@ -20,26 +20,24 @@ pub(super) struct Motion {
     /// Pose the model by this animation: its name, or its index.
     #[arg(long, value_name = "NAME", help_heading = "Motion")]
     animation: Option<String>,
-    /// Seconds into the animation (default 0), or A..B for a sequence from A to B. After its last keyframe an animation
-    /// begins again.
+    /// Seconds into the animation, and of an attribute that varies with time (default 0), or A..B for a sequence from A to B.
+    /// After its last keyframe an animation begins again.
     #[arg(
         long,
         value_name = "T|A..B",
-        requires = "animation",
         help_heading = "Motion",
         allow_hyphen_values = true
     )]
     time: Option<Time>,
     /// A sequence of N pictures, frame_0000.png and so on in the folder OUT: 1/F of a second apart from T on, or evenly
     /// from A to B.
-    #[arg(long, value_name = "N", requires = "animation", conflicts_with = "camera", help_heading = "Motion",
+    #[arg(long, value_name = "N", conflicts_with = "camera", help_heading = "Motion",
           value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
     frames: Option<u32>,
     /// Pictures a second of a sequence. Default: 30.
     #[arg(
         long,
         value_name = "F",
-        requires = "animation",
         help_heading = "Motion",
         allow_hyphen_values = true
     )]
@@ -101,7 +99,7 @@ impl FromStr for Rate {
 pub(super) struct Frame {
     /// Degrees that the camera has gone round.
     pub(super) turn: f64,
-    /// Seconds into the animation as they were asked for; none where nothing is animated.
+    /// Seconds as they were asked for; none where nothing varies with time.
     pub(super) time: Option<f64>,
 }
 
@@ -112,11 +110,21 @@ impl Motion {
         self.turntable.is_some() || self.frames.is_some() || range
     }
 
-    /// The frames, in order.
+    /// The frames, in order. `varies`: whether pictures vary with time though nothing be animated.
     ///
     /// # Errors
     /// [`invertex::Error::Option`] where the options contradict each other or mean nothing.
-    pub(super) fn frames(&self) -> Result<Vec<Frame>> {
+    pub(super) fn frames(&self, varies: bool) -> Result<Vec<Frame>> {
+        let timed = varies || self.animation.is_some();
+        let given = [
+            (self.time.is_some(), "--time"),
+            (self.frames.is_some(), "--frames"),
+            (self.fps.is_some(), "--fps"),
+        ];
+        if let Some((_, option)) = given.iter().find(|(given, _)| *given && !timed) {
+            let reason = "needs something that varies with time: --animation, or --attribute wood, procedural and others";
+            return Err(bad_option(option, reason));
+        }
         if self.fps.is_some() && !self.is_sequence() {
             let reason =
                 "means something for a sequence only: give --frames, --turntable or --time A..B";
@@ -145,7 +153,7 @@ impl Motion {
         };
         let frame = |k: f64| Frame {
             turn: k * turn,
-            time: self.animation.as_ref().map(|_| from + k * step),
+            time: timed.then_some(from + k * step),
         };
         Ok((0..count).map(|k| frame(f64::from(k))).collect())
     }
@@ -199,7 +207,7 @@ mod tests {
     }
 
     fn times(motion: &Motion) -> Vec<f64> {
-        let frames = motion.frames().unwrap();
+        let frames = motion.frames(false).unwrap();
         frames.iter().filter_map(|f| f.time).collect()
     }
 
@@ -230,9 +238,9 @@ mod tests {
         assert_eq!(times(&motion(Some("0..0.3"), None, Some(10.0))).len(), 4);
         assert_eq!(times(&motion(Some("0..1"), None, None)).len(), 31);
         let contradicting = motion(Some("0..1"), Some(3), Some(5.0));
-        assert_eq!(contradicting.frames().unwrap_err().exit_code(), 2);
-        assert!(motion(None, None, Some(5.0)).frames().is_err());
-        assert!(motion(Some("0..1e9"), None, None).frames().is_err());
+        assert_eq!(contradicting.frames(false).unwrap_err().exit_code(), 2);
+        assert!(motion(None, None, Some(5.0)).frames(false).is_err());
+        assert!(motion(Some("0..1e9"), None, None).frames(false).is_err());
     }
 
     #[test]
@@ -241,7 +249,7 @@ mod tests {
             turntable: Some(4),
             ..motion(Some("0.5"), None, None)
         };
-        let frames = still.frames().unwrap();
+        let frames = still.frames(false).unwrap();
         let turns: Vec<f64> = frames.iter().map(|f| f.turn).collect();
         assert_eq!(turns, [0.0, 90.0, 180.0, 270.0]);
         assert_eq!(times(&still), [0.5; 4]);
@@ -254,6 +262,11 @@ mod tests {
             animation: None,
             ..still
         };
-        assert!(lifeless.frames().unwrap().iter().all(|f| f.time.is_none()));
+        assert!(
+            lifeless.frames(false).is_err(),
+            "no time without anything that varies"
+        );
+        let frames = lifeless.frames(true).unwrap();
+        assert!(frames.iter().all(|f| f.time == Some(0.5)));
     }
 }

@@ -14,7 +14,7 @@ use super::render_report::{ImageReport, Report};
 use super::view::{Angles, Size};
 use super::{Common, bad_option, note};
 use invertex::asset::Model;
-use invertex::attribute::Shown;
+use invertex::attribute::{Attribute, Shown};
 use invertex::output::{check_target, make_folder, write_bytes};
 use invertex::render::{Camera, Output, Projection, Renderer, View, parse_views};
 use invertex::scene::{Pose, read_file};
@@ -42,6 +42,8 @@ Examples:
   invertex render built.glb -o views/ --camera cameras.json --mode igt --lod pixels:0.5
   invertex render built.glb -o lod1.exr --aov --mode igt --lod 1 --view 30,15 --ortho
   invertex render built.glb -o occlusion.png --mode igt --lod 2 --attribute occlusion
+  invertex render built.glb -o wood/ --mode igt --attribute wood --time 0..4 --fps 10
+  invertex render built.glb -o mine.png --mode igt --attribute 'procedural*occlusion' --procedural mine.glsl
   invertex render built.glb -o ids.png --mode igt --attribute triangle-color --shading unlit
   invertex render fox.glb -o walk.png --animation Walk --time 0.35
   invertex render fox.built.glb -o run/ --mode igt --lod 1 --animation Run --time 0..1.15 --fps 24
@@ -104,8 +106,10 @@ pub(super) struct Render {
 
 impl Render {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
-        let frames = self.motion.frames()?;
         let attribute = self.showing.attribute(self.mode)?;
+        let frames = self
+            .motion
+            .frames(attribute.as_ref().is_some_and(Attribute::varies))?;
         let views = self.check()?;
         let mut model = Model::load(&self.file)?;
         if let Some(name) = &self.mesh {
@@ -277,10 +281,12 @@ impl Render {
     ) -> Result<ImageReport> {
         let lod = self.level(stages.model, &shot.camera, sphere)?;
         let time = motion::shown(stages.model.scene(), stages.animation, shot.time);
+        let moment = time.or(shot.time);
         let mut options = drawing::options(self.mode, self.shading, self.samples);
         if stages.shown.is_some_and(|s| s.attribute().is_data()) {
             options.output = Output::Data;
         }
+        options.time = shot.time.unwrap_or(0.0) as f32;
         let renderer = stages.at(lod, time)?;
         let mut image = renderer.draw(&shot.camera, &options)?;
         let triangles = renderer.picture().triangle_count();
@@ -296,7 +302,7 @@ impl Render {
             &bytes,
             image,
             (lod, triangles),
-            time,
+            moment,
         ))
     }
 

@@ -73,6 +73,8 @@
 
 mod bind;
 mod buffer;
+#[cfg(feature = "compile-shaders")]
+mod compile;
 mod context;
 mod debug;
 mod device;
@@ -100,6 +102,8 @@ pub mod shaders {
 pub use ash::{self, vk};
 pub use bind::Bound;
 pub use buffer::{Buffer, BufferKind};
+#[cfg(feature = "compile-shaders")]
+pub use compile::UserText;
 pub use context::{Context, ContextOptions};
 pub use device::{DeviceChoice, DeviceInfo, DeviceKind, Limits};
 pub use draw::{Clear, GraphicsPass};
@@ -111,7 +115,7 @@ pub use interface::{
     ComputeShader, GraphicsShader, Resource, ShaderInterface, Slot, SlotKind, Stage,
 };
 pub use memory::Allocated;
-pub use pipeline::{GraphicsOptions, Pipeline};
+pub use pipeline::{GraphicsOptions, Pipeline, Variant};
 pub use recorder::{InUse, Recorder};
 pub use requirements::{Features, RequiredFeature, RequiredLimit, Requirements, requirements};
 pub use timing::{PassTime, Timings};

@@ -3,7 +3,7 @@
 
 use super::context::{Context, Inner};
 use super::failure;
-use super::interface::{ComputeShader, GraphicsShader, ShaderInterface, Slot, Stage};
+use super::interface::{ComputeShader, GraphicsShader, ShaderInterface, Slot};
 use crate::{Error, Result};
 use ash::vk;
 use std::collections::HashMap;
@@ -42,11 +42,21 @@ pub struct GraphicsOptions<'a> {
     pub depth_test: bool,
 }
 
+/// What makes a pipeline of a shader another one than the shader says.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Variant {
+    /// Specialization constants, id and value; the ids are constants of the generated module, the value's bits are those of
+    /// the constant's type. A stage without a constant is not concerned.
+    pub constants: Vec<(u32, u32)>,
+    /// Other SPIR-V for one of the stages, with no binding that the shader does not have.
+    pub code: Option<(vk::ShaderStageFlags, Vec<u8>)>,
+}
+
 /// What makes a pipeline another one.
 #[derive(PartialEq, Eq, Hash)]
 struct Key {
     shader: &'static str,
-    constants: Vec<(u32, u32)>,
+    variant: Variant,
     /// The colour formats, and the rest of the state.
     graphics: Option<(Vec<vk::Format>, GraphicsOptions<'static>)>,
 }
@@ -66,6 +76,17 @@ impl Context {
     /// The compute pipeline of `S` with specialization constants `(id, value)`; the ids are constants of the generated
     /// module, the value's bits are those of the constant's type.
     pub fn compute_with<S: ComputeShader>(&self, constants: &[(u32, u32)]) -> Result<Pipeline<S>> {
+        self.compute_variant(&Variant {
+            constants: constants.to_vec(),
+            code: None,
+        })
+    }
+
+    /// The compute pipeline of a variant of `S`.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for code with a binding that `S` does not have; those of the device.
+    pub fn compute_variant<S: ComputeShader>(&self, variant: &Variant) -> Result<Pipeline<S>> {
         let invocations = S::WORKGROUP.iter().product::<u32>();
         let have = self.info().limits.workgroup_invocations;
         if invocations > have {
@@ -78,7 +99,7 @@ impl Context {
         }
         let key = Key {
             shader: S::NAME,
-            constants: constants.to_vec(),
+            variant: variant.clone(),
             graphics: None,
         };
         self.pipeline::<S>(key, None)
@@ -89,15 +110,17 @@ impl Context {
         &self,
         options: &GraphicsOptions<'_>,
     ) -> Result<Pipeline<S>> {
-        self.graphics_with(options, &[])
+        self.graphics_variant(options, &Variant::default())
     }
 
-    /// [`Context::graphics`] with specialization constants, as [`Context::compute_with`] takes them; a stage without a
-    /// constant is not concerned.
-    pub fn graphics_with<S: GraphicsShader>(
+    /// The graphics pipeline of a variant of `S`.
+    ///
+    /// # Errors
+    /// As [`Context::compute_variant`].
+    pub fn graphics_variant<S: GraphicsShader>(
         &self,
         options: &GraphicsOptions<'_>,
-        constants: &[(u32, u32)],
+        variant: &Variant,
     ) -> Result<Pipeline<S>> {
         let state = GraphicsOptions {
             color_formats: &[],
@@ -105,7 +128,7 @@ impl Context {
         };
         let key = Key {
             shader: S::NAME,
-            constants: constants.to_vec(),
+            variant: variant.clone(),
             graphics: Some((options.color_formats.to_vec(), state)),
         };
         self.pipeline::<S>(key, Some(options))
@@ -116,12 +139,13 @@ impl Context {
         key: Key,
         graphics: Option<&GraphicsOptions<'_>>,
     ) -> Result<Pipeline<S>> {
+        check_code::<S>(&key.variant)?;
         let store = &self.0.pipelines;
         let mut made = store.made.lock().unwrap_or_else(PoisonError::into_inner);
         let raw = match made.get(&key) {
             Some(raw) => raw.clone(),
             None => {
-                let raw = Arc::new(self.0.create_pipeline::<S>(&key.constants, graphics)?);
+                let raw = Arc::new(self.0.create_pipeline::<S>(&key.variant, graphics)?);
                 self.0.labels.name(raw.pipeline, S::NAME);
                 made.insert(key, raw.clone());
                 raw
@@ -139,7 +163,7 @@ impl Inner {
     /// Makes layouts, modules and the pipeline; gives back what was made when a step fails.
     fn create_pipeline<S: ShaderInterface>(
         &self,
-        constants: &[(u32, u32)],
+        variant: &Variant,
         graphics: Option<&GraphicsOptions<'_>>,
     ) -> Result<RawPipeline> {
         let mut raw = RawPipeline {
@@ -153,7 +177,7 @@ impl Inner {
             },
         };
         let mut modules = Vec::new();
-        let result = self.fill::<S>(constants, graphics, &mut raw, &mut modules);
+        let result = self.fill::<S>(variant, graphics, &mut raw, &mut modules);
         // SAFETY: modules are not needed once the pipeline is made; on failure nothing refers to the layouts either.
         unsafe {
             for module in modules {
@@ -168,7 +192,7 @@ impl Inner {
 
     fn fill<S: ShaderInterface>(
         &self,
-        constants: &[(u32, u32)],
+        Variant { constants, code }: &Variant,
         graphics: Option<&GraphicsOptions<'_>>,
         raw: &mut RawPipeline,
         modules: &mut Vec<vk::ShaderModule>,
@@ -177,7 +201,9 @@ impl Inner {
         let push_bytes = size_of::<S::Push>() as u32;
         raw.layout = pipeline_layout(&self.device, raw.set_layout, S::PUSH_STAGES, push_bytes)?;
         for stage in S::STAGES {
-            modules.push(shader_module(&self.device, stage)?);
+            let other = code.as_ref().filter(|(flags, _)| *flags == stage.flags);
+            let spirv = other.map_or(stage.spirv, |(_, spirv)| spirv);
+            modules.push(shader_module(&self.device, spirv)?);
         }
         let values: Vec<u8> = constants
             .iter()
@@ -270,15 +296,48 @@ fn pipeline_layout(
         .map_err(failure::of("vkCreatePipelineLayout"))
 }
 
-/// The words of a stage as a module.
-fn shader_module(device: &ash::Device, stage: &Stage) -> Result<vk::ShaderModule> {
-    let words: Vec<u32> = stage
-        .spirv
-        .chunks_exact(4)
-        .map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
-        .collect();
+fn words_of(spirv: &[u8]) -> Vec<u32> {
+    let words = spirv.as_chunks::<4>().0.iter();
+    words.map(|word| u32::from_le_bytes(*word)).collect()
+}
+
+/// Refuses other code whose bindings the pipeline's layout would not have.
+fn check_code<S: ShaderInterface>(variant: &Variant) -> Result<()> {
+    let Some((_, spirv)) = &variant.code else {
+        return Ok(());
+    };
+    let has = |binding: &u32| S::SLOTS.iter().any(|slot| slot.binding == *binding);
+    match bindings(&words_of(spirv)).into_iter().find(|b| !has(b)) {
+        None => Ok(()),
+        Some(binding) => Err(Error::input(
+            S::NAME,
+            "code",
+            format!("binding {binding} is none of this shader's"),
+        )),
+    }
+}
+
+/// The bindings that a module decorates variables with.
+fn bindings(words: &[u32]) -> Vec<u32> {
+    const HEADER_WORDS: usize = 5;
+    // OpDecorate target Binding literal.
+    const DECORATE: u32 = 71;
+    const BINDING: u32 = 33;
+    let (mut found, mut at) = (Vec::new(), HEADER_WORDS);
+    while let Some(&word) = words.get(at) {
+        if word & 0xffff == DECORATE && words.get(at + 2) == Some(&BINDING) {
+            found.extend(words.get(at + 3));
+        }
+        at += (word >> 16).max(1) as usize;
+    }
+    found
+}
+
+/// The bytes of a stage as a module.
+fn shader_module(device: &ash::Device, spirv: &[u8]) -> Result<vk::ShaderModule> {
+    let words = words_of(spirv);
     let info = vk::ShaderModuleCreateInfo::default().code(&words);
-    // SAFETY: the SPIR-V came from shaderc and was checked against its hash at build time.
+    // SAFETY: the SPIR-V came from shaderc; what is committed was checked against its hash at build time.
     unsafe { device.create_shader_module(&info, None) }.map_err(failure::of("vkCreateShaderModule"))
 }
 

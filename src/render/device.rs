@@ -4,12 +4,14 @@
 //! everything it needs exists once a target of the right size does.
 
 use super::draw::{DrawRecord, Projected, ViewConstants};
+use super::function;
 use super::known::Known;
 use super::picture::Picture;
 use super::shade::{Aov, NOTHING, Pixel};
 use crate::gpu::shaders::{render_project, render_raster, render_shade};
 use crate::gpu::{
-    Bound, Buffer, Clear, Context, GraphicsOptions, GraphicsPass, Image, Recorder, Timings, vk,
+    Bound, Buffer, Clear, Context, GraphicsOptions, GraphicsPass, Image, Recorder, Timings,
+    Variant, vk,
 };
 use crate::igt::Tables;
 use crate::{Error, Result};
@@ -25,10 +27,11 @@ pub(crate) struct Device {
     pub(super) posed: Posed,
     arrays: Arrays,
     project: Bound<render_project::Shader>,
-    known: Known,
     draw_count: u32,
     vertex_count: u32,
     triangle_count: u32,
+    /// The shading pass, with what is shown in place of base colour.
+    shading: Variant,
     /// The last target, kept because most images of a run have one size.
     target: Mutex<Option<Target>>,
 }
@@ -104,6 +107,10 @@ pub(crate) struct Target {
 
 impl Device {
     pub(crate) fn new(context: &Context, picture: &Picture) -> Result<Self> {
+        let compute = vk::ShaderStageFlags::COMPUTE;
+        let known = Known::of(picture).constants();
+        let path = "render/shade.comp";
+        let shading = function::variant(&picture.attributes, &known, compute, path)?;
         let arrays = upload(context, picture)?;
         let project =
             context
@@ -118,10 +125,10 @@ impl Device {
             posed: Posed::new(context, &arrays),
             arrays,
             project,
-            known: Known::of(picture),
             draw_count: picture.draws.len() as u32,
             vertex_count: picture.vertex_count(),
             triangle_count: picture.triangle_count(),
+            shading,
             target: Mutex::new(None),
         })
     }
@@ -161,7 +168,7 @@ impl Device {
             },
         )?;
         let shade = context
-            .compute_with::<render_shade::Shader>(&self.known.constants())?
+            .compute_variant::<render_shade::Shader>(&self.shading)?
             .bind(&render_shade::Bindings {
                 draws: &a.draws,
                 corners: &a.corners,

@@ -6,6 +6,7 @@
 
 use super::device::{Arrays, Posed};
 use super::draw::ViewConstants;
+use super::function;
 use super::known::Known;
 use super::picture::Picture;
 use super::shade::{Aov, NOTHING, Pixel};
@@ -76,8 +77,11 @@ impl Forward {
             depth_test: true,
         };
         let class = |k: usize| (&images[k].0, &images[k].1);
+        let fragment = vk::ShaderStageFlags::FRAGMENT;
         let known = Known::of(picture).constants();
-        let pipeline = context.graphics_with::<Shader>(&options, &known)?;
+        let path = "render/forward.frag";
+        let variant = function::variant(&picture.attributes, &known, fragment, path)?;
+        let pipeline = context.graphics_variant::<Shader>(&options, &variant)?;
         let bound = pipeline.bind(&Bindings {
             draws: &a.draws,
             corners: &a.corners,

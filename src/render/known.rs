@@ -25,6 +25,8 @@ pub(crate) struct Known {
     recorded: bool,
     /// Whether an attribute is shown in place of base colour.
     shown: bool,
+    /// Whether that is a solid texture, a 3-D image or a function.
+    solid: bool,
 }
 
 impl Known {
@@ -39,11 +41,12 @@ impl Known {
             slots: attributes.used_slots(),
             recorded: attributes.all_recorded(),
             shown: attributes.is_shown(),
+            solid: attributes.is_solid(),
         }
     }
 
     /// The constants with their ids, the same in all shaders that include `render/known.glsl`.
-    pub(crate) fn constants(&self) -> [(u32, u32); 9] {
+    pub(crate) fn constants(&self) -> [(u32, u32); 10] {
         let [line, table_layout, record] = self.tables.words();
         [
             (shade::KNOWN_CORRESPONDENCE, self.correspondence),
@@ -55,6 +58,7 @@ impl Known {
             (shade::KNOWN_SLOTS, self.slots),
             (shade::KNOWN_RECORDED, self.recorded.into()),
             (shade::KNOWN_SHOWN, self.shown.into()),
+            (shade::KNOWN_SOLID, self.solid.into()),
         ]
     }
 }

@@ -23,6 +23,7 @@ mod draw;
 #[cfg(feature = "gpu")]
 mod forward;
 mod frame;
+mod function;
 #[cfg(feature = "gpu")]
 mod known;
 mod levels;

@@ -12,7 +12,7 @@ use super::shade::{
     OUTPUT_NORMALS, OUTPUT_UNLIT, Pixel,
 };
 use super::stage::{Correspond, Subject, stage_with};
-use super::{project, raster, resolve, shade};
+use super::{function, project, raster, resolve, shade};
 #[cfg(feature = "gpu")]
 use crate::Error;
 use crate::Result;
@@ -223,6 +223,7 @@ impl Renderer {
                 return Ok(named((pixels, timings)));
             }
         }
+        function::not_here(&self.picture.attributes)?;
         let mut passes = Vec::new();
         let projected = timed(&mut passes, "project", || {
             project::cpu(&self.picture.positions, &self.picture.draws, view)

@@ -210,7 +210,8 @@ fn colour(
     }
     if let Some(p) = &found.point {
         let triangle = p.triangle - sight.attribute_base;
-        picture.attributes.show(&mut surface, p, triangle);
+        let attributes = &picture.attributes;
+        attributes.show(constants, &mut surface, p, triangle, view.time);
     }
     let output = view.flags & OUTPUT_MASK;
     let coded = match output {

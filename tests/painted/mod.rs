@@ -1,6 +1,8 @@
 //! A small model with every kind of attribute: two balls of one mesh, each with its material, in one uv chart each.
 #![allow(dead_code, reason = "each test binary uses its part")]
 
+pub(crate) mod pictures;
+
 use serde_json::{Value, json};
 
 /// What a model may lack.
@@ -168,8 +170,50 @@ impl Painted {
     }
 }
 
+/// A flat square of `n` x `n` cells in the plane z = 0, side 2, laid out by its own uv.
+pub(crate) fn sheet(n: u32) -> Vec<u8> {
+    let mut binary = Binary::default();
+    let at = |i: u32| i as f32 / n as f32;
+    let all = (0..=n).flat_map(|y| (0..=n).map(move |x| [at(x), at(y)]));
+    let uv: Vec<[f32; 2]> = all.collect();
+    let place = |p: &[f32; 2]| [p[0] * 2.0 - 1.0, p[1] * 2.0 - 1.0, 0.0];
+    let positions: Vec<[f32; 3]> = uv.iter().map(place).collect();
+    let cell = |i: u32| {
+        let a = i / n * (n + 1) + i % n;
+        [a, a + 1, a + n + 2, a, a + n + 2, a + n + 1]
+    };
+    let indices: Vec<u32> = (0..n * n).flat_map(cell).collect();
+    let index: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
+    let position = binary.floats(&positions);
+    binary.accessors[position]["min"] = json!([-1.0, -1.0, 0.0]);
+    binary.accessors[position]["max"] = json!([1.0, 1.0, 0.0]);
+    let uv = binary.floats(&uv);
+    let index = binary.accessor(&index, 5125, indices.len(), "SCALAR");
+    let primitive =
+        json!({"attributes": {"POSITION": position, "TEXCOORD_0": uv}, "indices": index});
+    let document = json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"name": "sheet", "primitives": [primitive]}],
+        "accessors": binary.accessors, "bufferViews": binary.views,
+        "buffers": [{"byteLength": binary.bytes.len()}],
+    });
+    container(&document.to_string(), &binary.bytes)
+}
+
+/// A volume of 8 x 8 x 8 texels as a picture of its slices.
+pub(crate) fn strip() -> Vec<u8> {
+    oblong(8, 64, |x, y| {
+        [(x * 36) as u8, (y % 8 * 36) as u8, (y / 8 * 36) as u8]
+    })
+}
+
 fn png(n: u32, texel: impl Fn(u32, u32) -> [u8; 3]) -> Vec<u8> {
-    let image = image::RgbImage::from_fn(n, n, |x, y| image::Rgb(texel(x, y)));
+    oblong(n, n, texel)
+}
+
+/// A PNG of these texels.
+pub(crate) fn oblong(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 3]) -> Vec<u8> {
+    let image = image::RgbImage::from_fn(width, height, |x, y| image::Rgb(texel(x, y)));
     let mut bytes = std::io::Cursor::new(Vec::new());
     image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
     bytes.into_inner()
