@@ -6,7 +6,7 @@ mod render;
 use glam::{DMat4, DVec3};
 use invertex::igt::Layout;
 use invertex::mesh::shapes;
-use invertex::render::{Camera, Light, Options, Output, Picture, Projection, Renderer};
+use invertex::render::{Camera, Filter, Light, Options, Output, Picture, Projection, Renderer};
 use render::{camera, contexts, differences, inverse, picture, tangents};
 
 fn outputs() -> Vec<Options> {
@@ -23,6 +23,14 @@ fn outputs() -> Vec<Options> {
         Options {
             output: Output::Unlit,
             samples: 4,
+            ..Options::default()
+        },
+        Options {
+            filter: Filter::Five,
+            ..Options::default()
+        },
+        Options {
+            filter: Filter::Footprint,
             ..Options::default()
         },
         Options {

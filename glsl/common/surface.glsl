@@ -35,6 +35,7 @@ struct IgtSurfacePoint {
     vec3 dy;
     bool has_dx;
     bool has_dy;
+    uint taps; // texture samples along the longer gradient, at most: 1 is isotropic
 };
 
 struct IgtSurface {
@@ -106,6 +107,42 @@ IgtUvGradient igt_slot_uv(uvec4 corner, uvec4 record, uint at, IgtSurfacePoint p
     return IgtUvGradient(uv, p.has_dx ? dx : vec2(IGT_STEEP), p.has_dy ? dy : vec2(IGT_STEEP));
 }
 
+float igt_squared_gradient(vec2 d, vec2 size) {
+    precise vec2 t = d * size;
+    precise float r = t.x * t.x + t.y * t.y;
+    return r;
+}
+
+// Texture `id` over a footprint that is up to `most` times as long as wide: the mean of samples along the longer gradient.
+vec4 igt_sample_along(uint id, IgtUvGradient at, uint most) {
+    vec2 size = vec2(ivec2(igt_texture_word(id * IGT_TEXTURE_WORDS + 1u), igt_texture_word(id * IGT_TEXTURE_WORDS + 2u)));
+    float x = igt_squared_gradient(at.dx, size), y = igt_squared_gradient(at.dy, size);
+    float longer = max(x, y), shorter = max(min(x, y), 1.0);
+    uint count = 1u;
+    for (uint k = 1u; k < most; k++) {
+        precise float reached = shorter * float(int(k * k));
+        if (longer > reached) count = k + 1u;
+    }
+    float n = float(int(count));
+    precise vec2 along = (x >= y ? at.dx : at.dy) / n;
+    IgtUvGradient one = at;
+    if (x >= y) {
+        one.dx = along;
+    } else {
+        one.dy = along;
+    }
+    vec4 sum = vec4(0.0);
+    for (uint k = 0u; k < count; k++) {
+        precise float t = float(int(2u * k + 1u)) * 0.5 - n * 0.5;
+        precise vec2 uv = at.uv + along * t;
+        one.uv = uv;
+        precise vec4 added = sum + igt_sample(id, one);
+        sum = added;
+    }
+    precise vec4 mean = sum / n;
+    return mean;
+}
+
 // The texture of slot `slot`, or `missing` where there is none.
 vec4 igt_slot(uvec4 corner, uvec4 record, uint slot, IgtSurfacePoint p, vec4 missing) {
     uint at = corner.w * IGT_MATERIAL_WORDS + IGT_SLOTS_AT + slot * IGT_SLOT_WORDS;
@@ -113,7 +150,7 @@ vec4 igt_slot(uvec4 corner, uvec4 record, uint slot, IgtSurfacePoint p, vec4 mis
     if (id == IGT_NO_TEXTURE) {
         return missing;
     }
-    return igt_sample(id, igt_slot_uv(corner, record, at, p));
+    return igt_sample_along(id, igt_slot_uv(corner, record, at, p), p.taps);
 }
 
 // Two-level normal: the reference's interpolated one, tilted by the artist's map (`texel`) in the reference's tangent frame.

@@ -22,6 +22,7 @@ struct Correspondence {
     IgtSurfacePoint point;
     bool known;
     uint fetches;
+    IgtTriangle corners; // of the triangle, where it was looked up
 };
 
 int query_coordinate(int v0, int v1, int v2, vec3 b) {
@@ -78,9 +79,27 @@ Correspondence identity(uint draw, Drawn drawn) {
     r.point.dy = dy;
     r.point.has_dx = drawn.has_bx;
     r.point.has_dy = drawn.has_by;
+    r.point.taps = 1u;
+    r.corners = IgtTriangle(ivec3(0), ivec3(0), ivec3(0));
     r.known = true;
     r.fetches = 0u;
     return r;
+}
+
+IgtTables tables_of(uint draw) {
+    IgtTables tables = igt_tables(uvec4(draws.records[draw].igt[4], draws.records[draw].igt[5], draws.records[draw].igt[6], draws.records[draw].igt[7]),
+                                  uvec2(draws.records[draw].igt[8], draws.records[draw].igt[9]));
+    return igt_known(tables, known_line, known_layout, known_record);
+}
+
+// Whether the line of `query` meets a triangle, and where.
+bool within_at(uint draw, ivec3 query, IgtTriangle c, out vec3 b) {
+    uvec3 sides[3];
+    uint region;
+    query = clamp(query, ivec3(-QUERY_MAX), ivec3(QUERY_MAX));
+    bool hit = igt_hit(tables_of(draw).line, query, c.v0, c.v1, c.v2, sides, region) != 0;
+    b = igt_barycentric(sides);
+    return hit;
 }
 
 // Through the inverse geometric texture: the reference point of `query`, and its way to the points of the neighbouring
@@ -89,9 +108,7 @@ Correspondence inverse_at(uint draw, uint asker, ivec3 query, ivec3 query_x, ive
     igt_hash_base = draws.records[draw].igt[1];
     igt_list_base = draws.records[draw].igt[2];
     igt_triangle_base = draws.records[draw].igt[3];
-    IgtTables tables = igt_tables(uvec4(draws.records[draw].igt[4], draws.records[draw].igt[5], draws.records[draw].igt[6], draws.records[draw].igt[7]),
-                                 uvec2(draws.records[draw].igt[8], draws.records[draw].igt[9]));
-    tables = igt_known(tables, known_line, known_layout, known_record);
+    IgtTables tables = tables_of(draw);
     query = clamp(query, ivec3(-QUERY_MAX), ivec3(QUERY_MAX));
     IgtFound found = igt_lookup(tables, query, asker, true);
     Correspondence r;
@@ -103,6 +120,8 @@ Correspondence inverse_at(uint draw, uint asker, ivec3 query, ivec3 query_x, ive
     r.point.dy = vec3(0.0);
     r.point.has_dx = false;
     r.point.has_dy = false;
+    r.point.taps = 1u;
+    r.corners = found.corners;
     if (!r.known) {
         return r;
     }
@@ -147,6 +166,23 @@ Correspondence correspond(uint draw, Drawn drawn) {
     ivec3 query_y = query_point(v0, v1, v2, drawn.by);
     return inverse_at(draw, drawn.asker, query, query_x, query_y, drawn.has_bx, drawn.has_by);
 }
+
+// Whether the point at b of a drawn triangle lies in a triangle of the reference, and where.
+bool within(uint draw, Drawn drawn, IgtTriangle corners, out vec3 b) {
+    ivec3 query = query_point(t3.points[drawn.vertex.x].xyz, t3.points[drawn.vertex.y].xyz, t3.points[drawn.vertex.z].xyz, drawn.b);
+    return within_at(draw, query, corners, b);
+}
 #endif
+
+// How much of the way from b lies in the drawn triangle.
+float share_within(vec3 b, vec3 way) {
+    float share = 1.0;
+    for (int i = 0; i < 3; i++) {
+        precise float there = b[i] + way[i];
+        precise float part = max(b[i], 0.0) / -way[i];
+        if (there < 0.0) share = min(share, part);
+    }
+    return share;
+}
 
 #endif

@@ -74,47 +74,63 @@ vec4 igt_sample(uint id, IgtUvGradient at) {
 #include "render/light.glsl"
 #include "render/correspond.glsl"
 #include "render/frame.glsl"
-#include "common/show.glsl"
 
 ivec3 query_of(vec3 way) {
     ivec3 step = ivec3(floor(clamp(way, vec3(-1.5e9), vec3(1.5e9)) + 0.5));
     return origin + step;
 }
 
-void main() {
-    // Derivatives first, in uniform control flow.
-    vec3 along_x = dFdx(along);
-    vec3 along_y = dFdy(along);
-    vec3 b_x = dFdx(barycentric);
-    vec3 b_y = dFdy(barycentric);
-    uint draw = triangle.y;
-    Correspondence found;
-    bool itself = known_correspondence == 1u || (known_correspondence == 3u && draws.records[draw].correspondence == 0u);
-    if (itself) {
-        found.point = IgtSurfacePoint(draws.records[draw].attribute_base + triangle.x, barycentric, b_x, b_y, true, true);
+// Derivatives, taken in uniform control flow.
+vec3 along_x, along_y, b_x, b_y;
+
+bool sample_moves() {
+    return true;
+}
+
+// What is interpolated, at a place of the pixel.
+vec3 along_at(vec2 at) {
+    return along + (along_x * at.x + along_y * at.y) * share_within(barycentric, b_x * at.x + b_y * at.y);
+}
+
+Correspondence sample_at(uint draw, vec2 at) {
+    if (known_correspondence == 1u || (known_correspondence == 3u && draws.records[draw].correspondence == 0u)) {
+        Correspondence found;
+        found.point = IgtSurfacePoint(draws.records[draw].attribute_base + triangle.x, barycentric, b_x, b_y, true, true, 1u);
         found.known = true;
         found.fetches = 0u;
-    } else {
-        found = inverse_at(draw, triangle.z, query_of(along), query_of(along + along_x), query_of(along + along_y), true, true);
+        return found;
     }
-    fetches = found.fetches;
-    ids = uvec4(0xffffffffu, draw, 0u, 0u);
-    IgtSurface surface = unknown_surface();
+    vec3 here = along_at(at);
+    return inverse_at(draw, triangle.z, query_of(here), query_of(here + along_x), query_of(here + along_y), true, true);
+}
+
+bool sample_within(uint draw, vec2 at, Correspondence centre, out vec3 b) {
+    return within_at(draw, query_of(along_at(at)), centre.corners, b);
+}
+
+#include "render/filter.glsl"
+
+void main() {
+    along_x = dFdx(along);
+    along_y = dFdy(along);
+    b_x = dFdx(barycentric);
+    b_y = dFdy(barycentric);
+    uint draw = triangle.y;
     uvec3 vertices = corners.triangles[draws.records[draw].corner_base + triangle.x].xyz;
     Frame frame = frame_at(draw, vertices - draws.records[draw].vertex_base, barycentric);
-    if (found.known) {
-        uint reference = found.point.triangle - draws.records[draw].attribute_base;
-        ids = uvec4(reference, draw, floatBitsToUint(found.point.b.y), floatBitsToUint(found.point.b.z));
-        surface = igt_surface(found.point, frame.world, frame.normal);
-    }
-    if (surface.masked) {
-        discard;
-    }
     // Counter-clockwise is the front; a mirroring transform turns it.
     int sense = gl_FrontFacing ? -1 : 1;
     vec2 handed_slack = vec2(draws.records[draw].normal[0].w, draws.records[draw].normal[1].w);
-    if (float(sense) * frame.normal[0].w > 0.0) {
-        surface.normal = -surface.normal;
+    Gathered found = gather(draw, frame, float(sense) * frame.normal[0].w);
+    IgtSurface surface = found.surface;
+    fetches = found.fetches;
+    ids = uvec4(0xffffffffu, draw, 0u, 0u);
+    if (found.centre.known) {
+        uint reference = found.centre.point.triangle - draws.records[draw].attribute_base;
+        ids = uvec4(reference, draw, floatBitsToUint(found.centre.point.b.y), floatBitsToUint(found.centre.point.b.z));
+    }
+    if (surface.masked) {
+        discard;
     }
     // As the deferred path has it, from z / w and 1 / w. No step, no arithmetic: fronts keep their depth to the bit.
     float back = step_back(sense, handed_slack);
@@ -122,9 +138,6 @@ void main() {
     if (back > 0.0) {
         float stepped = (gl_FragCoord.z + back * view.away_z * gl_FragCoord.w) / (1.0 + back * view.away_w * gl_FragCoord.w);
         gl_FragDepth = max(gl_FragCoord.z, min(stepped, 1.0));
-    }
-    if (known_shown && found.known) {
-        igt_show(surface, found.point, found.point.triangle - draws.records[draw].attribute_base, view.time);
     }
     colour = (view.flags & 3u) == 2u ? vec4(surface.normal * 0.5 + 0.5, 1.0) : vec4(radiance(surface, world), 1.0);
 }

@@ -61,7 +61,39 @@ uint igt_load_triangle1(uint i) { return igt_triangles.quads[igt_triangle_base +
 #include "render/light.glsl"
 #include "render/correspond.glsl"
 #include "render/frame.glsl"
-#include "common/show.glsl"
+
+// The drawn triangle at the pixel's middle.
+Drawn middle;
+
+bool sample_moves() {
+    return middle.has_bx && middle.has_by;
+}
+
+Drawn middle_moved(vec2 at) {
+    Drawn r = middle;
+    precise vec3 x = middle.bx - middle.b;
+    precise vec3 y = middle.by - middle.b;
+    precise vec3 way = x * at.x + y * at.y;
+    precise vec3 b = middle.b + way * share_within(middle.b, way);
+    precise vec3 bx = b + x;
+    precise vec3 by = b + y;
+    r.b = b;
+    r.bx = bx;
+    r.by = by;
+    return r;
+}
+
+Correspondence sample_at(uint draw, vec2 at) {
+    Drawn drawn = middle;
+    if (at != vec2(0.0)) drawn = middle_moved(at);
+    return correspond(draw, drawn);
+}
+
+bool sample_within(uint draw, vec2 at, Correspondence centre, out vec3 b) {
+    return within(draw, middle_moved(at), centre.corners, b);
+}
+
+#include "render/filter.glsl"
 
 const uint NOTHING = 0xffffffffu;
 const uint THRESHOLDS_AT = 256u;
@@ -233,28 +265,20 @@ Shaded shaded(uint id, ivec2 at) {
     drawn.local = local;
     drawn.vertex = corner.xyz;
     drawn.asker = corner.w;
-    Correspondence found = correspond(draw, drawn);
+    middle = drawn;
+    Frame frame = frame_at(draw, corner.xyz - draws.records[draw].vertex_base, drawn.b);
+    precise float turned = float(sense) * frame.normal[0].w;
+    Gathered found = gather(draw, frame, turned);
     s.draw = draw;
     s.fetches = found.fetches;
     s.depth = depth_at(v0, v1, v2, drawn.b, 0.0);
-    IgtSurface surface = unknown_surface();
-    Frame frame = frame_at(draw, corner.xyz - draws.records[draw].vertex_base, drawn.b);
-    if (found.known) {
-        s.triangle = found.point.triangle - draws.records[draw].attribute_base;
-        s.b = found.point.b.yz;
-        surface = igt_surface(found.point, frame.world, frame.normal);
+    if (found.centre.known) {
+        s.triangle = found.centre.point.triangle - draws.records[draw].attribute_base;
+        s.b = found.centre.point.b.yz;
     }
-    if (surface.masked) {
-        return s;
+    if (!found.surface.masked) {
+        colour_of(s, found.surface, draw, drawn, here);
     }
-    precise float turned = float(sense) * frame.normal[0].w;
-    if (turned > 0.0) {
-        surface.normal = -surface.normal;
-    }
-    if (known_shown && found.known) {
-        igt_show(surface, found.point, s.triangle, view.time);
-    }
-    colour_of(s, surface, draw, drawn, here);
     return s;
 }
 

@@ -36,6 +36,37 @@ impl TextureSet {
         blend(a, b, f)
     }
 
+    /// [`sample`](Self::sample) over a footprint that is up to `most` times as long as wide: the mean of samples along the
+    /// longer gradient, each of its share of it.
+    pub(crate) fn sample_along(
+        &self,
+        decode: &[f32],
+        id: u32,
+        at: &UvGradient,
+        most: u32,
+    ) -> [f32; 4] {
+        let record = &self.records[id as usize * TEXTURE_WORDS..][..TEXTURE_WORDS];
+        let [x, y] = [at.dx, at.dy].map(|d| squared_texels(record, d));
+        let (longer, shorter) = (x.max(y), x.min(y).max(1.0));
+        let reached = |k: &u32| longer > shorter * (k * k) as i32 as f32;
+        let count = (1..most).filter(reached).next_back().unwrap_or(0) + 1;
+        let n = count as i32 as f32;
+        let along = if x >= y { at.dx } else { at.dy }.map(|c| c / n);
+        let (dx, dy) = if x >= y {
+            (along, at.dy)
+        } else {
+            (at.dx, along)
+        };
+        let mut sum = [0.0; 4];
+        for k in 0..count {
+            let t = (2 * k + 1) as i32 as f32 * 0.5 - n * 0.5;
+            let uv = [0, 1].map(|i| at.uv[i] + along[i] * t);
+            let one = self.sample(decode, id, &UvGradient { uv, dx, dy });
+            sum = [0, 1, 2, 3].map(|i| sum[i] + one[i]);
+        }
+        sum.map(|c| c / n)
+    }
+
     /// One level, bilinear or nearest.
     fn level(&self, decode: &[f32], record: &[u32], level: i32, uv: [f32; 2]) -> [f32; 4] {
         let w = (record[1] >> level).max(1) as i32;
@@ -67,13 +98,17 @@ impl TextureSet {
 
 /// log2 of the longer gradient in texels of level 0.
 fn level_of(record: &[u32], at: &UvGradient) -> f32 {
-    let (w, h) = (record[1] as i32 as f32, record[2] as i32 as f32);
-    let squared = |d: [f32; 2]| {
-        let (x, y) = (d[0] * w, d[1] * h);
-        x * x + y * y
-    };
-    let longer = squared(at.dx).max(squared(at.dy));
+    let longer = squared_texels(record, at.dx).max(squared_texels(record, at.dy));
     0.5 * log2(longer.clamp(1e-20, 1e20))
+}
+
+/// The square of a gradient's length in texels of level 0.
+fn squared_texels(record: &[u32], d: [f32; 2]) -> f32 {
+    let (x, y) = (
+        d[0] * record[1] as i32 as f32,
+        d[1] * record[2] as i32 as f32,
+    );
+    x * x + y * y
 }
 
 /// `a * (1 - f) + b * f`.

@@ -59,6 +59,8 @@ pub(crate) struct SurfacePoint {
     pub dx: Option<[f32; 3]>,
     /// Likewise in y.
     pub dy: Option<[f32; 3]>,
+    /// Texture samples along the longer gradient, at most; 0 and 1 are isotropic.
+    pub taps: u32,
 }
 
 /// Rows of the transforms of one draw.
@@ -266,7 +268,7 @@ impl AttributeSet {
             dx: gradient(p.dx),
             dy: gradient(p.dy),
         };
-        self.textures.sample(decode, texture, &at)
+        self.textures.sample_along(decode, texture, &at, p.taps)
     }
 
     /// Everything the material says at `p`.

@@ -6,8 +6,8 @@ use invertex::asset::Model;
 use invertex::attribute::{Shown, attributes_of, attributes_showing};
 use invertex::output::{Aov, encode_exr, encode_png};
 use invertex::render::{
-    Correspond, Options, Output, Picture, Rendered, Renderer, Subject, keep_only, stage_posed,
-    stage_with, subjects,
+    Correspond, Filter, Options, Output, Picture, Rendered, Renderer, Subject, keep_only,
+    stage_posed, stage_with, subjects,
 };
 use invertex::scene::{Material, Pose, Scene};
 use invertex::{Error, Result};
@@ -63,6 +63,27 @@ pub(super) enum DrawPath {
     Deferred,
     /// All in the fragment shader, as an engine would; needs a device.
     Forward,
+}
+
+/// How a LoD gathers the reference over a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum FilterChoice {
+    /// One point; its textures filtered as a plain renderer does.
+    Nearest,
+    /// The mean of five points (the paper's).
+    Five,
+    /// One point for each reference triangle under the pixel; textures filtered anisotropically over it.
+    Footprint,
+}
+
+impl From<FilterChoice> for Filter {
+    fn from(choice: FilterChoice) -> Self {
+        match choice {
+            FilterChoice::Nearest => Filter::Nearest,
+            FilterChoice::Five => Filter::Five,
+            FilterChoice::Footprint => Filter::Footprint,
+        }
+    }
 }
 
 /// What a renderer is made for.

@@ -34,7 +34,7 @@ const SECONDS: f64 = 1.0;
 /// load of at most 128 bits.
 #[derive(clap::Args)]
 #[command(after_help = "\
-JSON: device, clock, path, shading, size[], frames, warm_up, runs[]: file, mesh, variant, sweep, lod, distance, layout, hash,
+JSON: device, clock, path, shading, size[], frames, warm_up, runs[]: file, mesh, variant, sweep, filter, lod, distance, layout, hash,
 triangles, mean_list, mean_fetches, mean_fetches_with_uv, p99_fetches, max_fetches, mean_texture_fetches, tables_bytes,
 texture_bytes, covered_pixels, unmapped_pixels, frame_ns_median, frame_ns_p95, frame_ns_p99, lookup_ns_median,
 lookup_ns_p95, frames, clock, passes[]: name,
@@ -86,7 +86,7 @@ pub(super) struct Profile {
     #[arg(long, value_name = "N", default_value_t = 1024)]
     bake_size: u32,
     /// More rows: hash (the tables at other resolutions), layout (packed beside classic), lod (every level), distance (every
-    /// level by distance).
+    /// level by distance), filter (one point a pixel, five, the footprint).
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     sweep: Vec<SweepChoice>,
     /// Resolutions of --sweep hash.
@@ -123,6 +123,7 @@ enum SweepChoice {
     Layout,
     Lod,
     Distance,
+    Filter,
 }
 
 impl From<SweepChoice> for Sweep {
@@ -132,6 +133,7 @@ impl From<SweepChoice> for Sweep {
             SweepChoice::Layout => Sweep::Layout,
             SweepChoice::Lod => Sweep::Lod,
             SweepChoice::Distance => Sweep::Distance,
+            SweepChoice::Filter => Sweep::Filter,
         }
     }
 }

@@ -249,6 +249,15 @@ fn sweeps(subject: &Subject) -> Vec<Section> {
                 .collect(),
         ),
         section(
+            Sweep::Filter,
+            "filters",
+            "One point a pixel, one for each triangle of its footprint, five.",
+            of(Sweep::Filter)
+                .into_iter()
+                .map(|run| Chart::Plot(of_filter(run)))
+                .collect(),
+        ),
+        section(
             Sweep::Lod,
             "levels of detail",
             "Every level from the same place.",
@@ -272,6 +281,14 @@ fn of_layout(run: &Run) -> Plot {
         .map_or(String::new(), |l| format!("{l:?}").to_lowercase());
     Plot {
         title: format!("Pixels by fetches, {layout}"),
+        ..histogram(run)
+    }
+}
+
+fn of_filter(run: &Run) -> Plot {
+    let filter = format!("{:?}", run.filter).to_lowercase();
+    Plot {
+        title: format!("Pixels by fetches, {filter}"),
         ..histogram(run)
     }
 }

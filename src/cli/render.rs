@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::attribute::Showing;
 use super::device::Device;
-use super::drawing::{self, Background, DrawPath, Format, Mode, Shading, Staged, Wish};
+use super::drawing::{
+    self, Background, DrawPath, FilterChoice, Format, Mode, Shading, Staged, Wish,
+};
 use super::lod_choice::LodChoice;
 use super::motion::{self, Frame, Motion};
 use super::print;
@@ -89,8 +91,11 @@ pub(super) struct Render {
     /// Lay the picture over this colour; without it the background is transparent.
     #[arg(long, value_name = "#RRGGBB")]
     background: Option<Background>,
-    /// Samples a pixel.
-    #[arg(long, value_name = "1|4", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4))]
+    /// How a LoD gathers the reference over a pixel.
+    #[arg(long, value_enum, default_value_t = FilterChoice::Nearest)]
+    filter: FilterChoice,
+    /// Samples a pixel; 64 is near the truth and takes as many times as long.
+    #[arg(long, value_name = "1|4|16|64", default_value_t = 1)]
     samples: u32,
     /// Also write what lies under each pixel, as layers of an EXR.
     #[arg(long)]
@@ -176,11 +181,9 @@ impl Render {
                 "the mode reference draws the original; use --mode igt or plain for a LoD",
             ));
         }
-        if self.samples != 1 && self.samples != 4 {
-            return Err(bad_option(
-                "--samples",
-                format!("{} is not 1 or 4", self.samples),
-            ));
+        if ![1, 4, 16, 64].contains(&self.samples) {
+            let reason = format!("{} is not 1, 4, 16 or 64", self.samples);
+            return Err(bad_option("--samples", reason));
         }
         if let Some(camera) = &self.camera {
             if self.motion.is_sequence() {
@@ -283,6 +286,7 @@ impl Render {
         let time = motion::shown(stages.model.scene(), stages.animation, shot.time);
         let moment = time.or(shot.time);
         let mut options = drawing::options(self.mode, self.shading, self.samples);
+        options.filter = self.filter.into();
         if stages.shown.is_some_and(|s| s.attribute().is_data()) {
             options.output = Output::Data;
         }

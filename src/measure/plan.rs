@@ -5,7 +5,7 @@
 
 use crate::asset::Built;
 use crate::igt::Layout;
-use crate::render;
+use crate::render::{self, Filter};
 use serde::Serialize;
 
 /// Where the appearance of what is drawn comes from.
@@ -57,6 +57,8 @@ pub enum Sweep {
     Lod,
     /// The distance, for the reference and every level (the paper's Figure 11).
     Distance,
+    /// How a pixel gathers the reference: one point, five, the footprint.
+    Filter,
 }
 
 /// What sweeps go through.
@@ -91,6 +93,8 @@ pub struct Drawing {
     pub distances: Vec<f64>,
     /// The sweep it belongs to; none for the rows of every profile.
     pub sweep: Option<Sweep>,
+    /// How a pixel gathers the reference.
+    pub filter: Filter,
 }
 
 /// The drawings of a profile of `built` at `level`.
@@ -107,6 +111,10 @@ pub fn plan(built: &Built, level: usize, sweeps: &[Sweep], ranges: &Ranges) -> V
             })),
             Sweep::Layout => out.extend([Layout::Packed, Layout::Classic].map(|layout| Drawing {
                 tables: Some((None, layout)),
+                ..Drawing::new(Variant::Inverse, level, Some(sweep))
+            })),
+            Sweep::Filter => out.extend(Filter::ALL.map(|filter| Drawing {
+                filter,
                 ..Drawing::new(Variant::Inverse, level, Some(sweep))
             })),
             Sweep::Lod => out.extend(over_levels(built, sweep)),
@@ -150,6 +158,7 @@ impl Drawing {
             tables: None,
             distances: vec![1.0],
             sweep,
+            filter: Filter::Nearest,
         }
     }
 }

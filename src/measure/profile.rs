@@ -14,8 +14,8 @@ use crate::asset::{Built, Processor};
 use crate::attribute::{AttributeSet, attributes_of};
 use crate::igt::{BuildOptions, Layout};
 use crate::render::{
-    self, Camera, Clock, Correspond, FrameBudget, FrameTime, Options, Output, Picture, Projection,
-    Rendered, Renderer,
+    self, Camera, Clock, Correspond, Filter, FrameBudget, FrameTime, Options, Output, Picture,
+    Projection, Rendered, Renderer,
 };
 use crate::{Error, Result};
 use serde::Serialize;
@@ -121,6 +121,8 @@ pub struct Run {
     pub variant: Variant,
     /// The sweep the row belongs to, if any.
     pub sweep: Option<Sweep>,
+    /// How a pixel gathers the reference; uv loads are counted for its middle alone.
+    pub filter: Filter,
     /// The level of detail.
     pub lod: usize,
     /// Distance, in units of the one at which the model fills the view.
@@ -274,6 +276,7 @@ impl Bench<'_> {
             mesh: sitter.mesh.clone(),
             variant: drawing.variant,
             sweep: drawing.sweep,
+            filter: drawing.filter,
             lod: drawing.level,
             distance: 1.0,
             layout: tables.layout,
@@ -303,8 +306,9 @@ impl Bench<'_> {
         }
     }
 
-    fn options(&self) -> Options {
+    fn options(&self, filter: Filter) -> Options {
         Options {
+            filter,
             output: if self.settings.lit {
                 Output::Lit
             } else {
@@ -326,7 +330,7 @@ impl Bench<'_> {
         let (mut runs, mut points) = (Vec::new(), Vec::new());
         let instances = built.scene.instances();
         for &(distance, camera) in cameras {
-            let image = renderer.draw(&camera, &self.options())?;
+            let image = renderer.draw(&camera, &self.options(row.filter))?;
             let run = Run {
                 distance,
                 ..row.clone()
@@ -348,7 +352,8 @@ impl Bench<'_> {
     /// Fills in the times.
     fn time(&self, renderer: &Renderer, runs: &mut [Run], cameras: &[(f64, Camera)]) -> Result<()> {
         for (run, (_, camera)) in runs.iter_mut().zip(cameras) {
-            let taken = renderer.time(camera, &self.options(), &self.settings.budget)?;
+            let options = self.options(run.filter);
+            let taken = renderer.time(camera, &options, &self.settings.budget)?;
             let totals: Vec<u64> = taken.frames.iter().map(|f| f.total).collect();
             if let Some(statistics) = TimeStatistics::of(&totals) {
                 run.frame_ns_median = statistics.median_ns;

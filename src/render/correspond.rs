@@ -14,7 +14,7 @@ use crate::attribute::arithmetic::{V3, add3, cross3, dot3, scale3, sub3};
 use crate::attribute::surface::SurfacePoint;
 use crate::igt::{Asker, Tables};
 use crate::param::grid::{QUERY_MAX, QUERY_SHIFT};
-use crate::param::projection::{GridTriangle, Line};
+use crate::param::projection::{GridTriangle, Line, hit};
 
 /// [`DrawRecord::correspondence`] of a draw whose triangles are the reference's own.
 pub(crate) const IDENTITY: u32 = 0;
@@ -49,6 +49,7 @@ fn identity(draw: &DrawRecord, drawn: &Drawn) -> Correspondence {
         b: drawn.b,
         dx: drawn.bx.map(|b| sub3(b, drawn.b)),
         dy: drawn.by.map(|b| sub3(b, drawn.b)),
+        taps: 1,
     };
     Correspondence {
         point: Some(point),
@@ -89,11 +90,26 @@ pub(super) fn inverse_at(
         b: found.barycentric,
         dx: moved(drawn.bx),
         dy: moved(drawn.by),
+        taps: 1,
     };
     Correspondence {
         point: Some(point),
         fetches: found.fetches,
     }
+}
+
+/// Where in `triangle` of the reference the drawn point lies, if it does: its line meets it.
+pub(super) fn within(
+    picture: &Picture,
+    draw: &DrawRecord,
+    drawn: &Drawn,
+    triangle: u32,
+) -> Option<[f32; 3]> {
+    let tables = &picture.tables[draw.igt[0] as usize];
+    let t3 = drawn.vertex.map(|v| picture.t3[v as usize]);
+    let query = query_point(&t3, drawn.b).map(|q| q.clamp(-QUERY_MAX, QUERY_MAX));
+    let met = hit(tables.primary.line(), query, &tables.corners(triangle));
+    met.map(|met| met.barycentric())
 }
 
 /// T3 at barycentrics `b` of a drawn triangle, on the query grid. Relative to the first vertex, so that the error is

@@ -4,6 +4,7 @@
 //! everything it needs exists once a target of the right size does.
 
 use super::draw::{DrawRecord, Projected, ViewConstants};
+use super::filter::Filter;
 use super::function;
 use super::known::Known;
 use super::picture::Picture;
@@ -30,6 +31,7 @@ pub(crate) struct Device {
     draw_count: u32,
     vertex_count: u32,
     triangle_count: u32,
+    known: Known,
     /// The shading pass, with what is shown in place of base colour.
     shading: Variant,
     /// The last target, kept because most images of a run have one size.
@@ -37,6 +39,7 @@ pub(crate) struct Device {
 }
 
 /// The picture's arrays.
+#[derive(Clone)]
 pub(crate) struct Arrays {
     pub(super) draws: Buffer,
     pub(super) corners: Buffer,
@@ -95,6 +98,7 @@ impl Posed {
 /// Images and buffers of one size that a picture is drawn into.
 pub(crate) struct Target {
     size: [u32; 2],
+    filter: Filter,
     ids: Image,
     depth: Image,
     /// sRGB RGBA of 8 bits, a word each.
@@ -108,9 +112,7 @@ pub(crate) struct Target {
 impl Device {
     pub(crate) fn new(context: &Context, picture: &Picture) -> Result<Self> {
         let compute = vk::ShaderStageFlags::COMPUTE;
-        let known = Known::of(picture).constants();
-        let path = "render/shade.comp";
-        let shading = function::variant(&picture.attributes, &known, compute, path)?;
+        let shading = function::variant(&picture.attributes, compute, "render/shade.comp")?;
         let arrays = upload(context, picture)?;
         let project =
             context
@@ -128,13 +130,14 @@ impl Device {
             draw_count: picture.draws.len() as u32,
             vertex_count: picture.vertex_count(),
             triangle_count: picture.triangle_count(),
+            known: Known::of(picture),
             shading,
             target: Mutex::new(None),
         })
     }
 
-    /// What an image of this size is drawn into.
-    pub(crate) fn target(&self, width: u32, height: u32) -> Result<Target> {
+    /// What an image of this size is drawn into, and the pipelines that do.
+    pub(crate) fn target(&self, width: u32, height: u32, filter: Filter) -> Result<Target> {
         let (context, a) = (&self.context, &self.arrays);
         let pixels = u64::from(width) * u64::from(height);
         let have = context.info().limits.storage_buffer_bytes;
@@ -168,7 +171,7 @@ impl Device {
             },
         )?;
         let shade = context
-            .compute_variant::<render_shade::Shader>(&self.shading)?
+            .compute_variant::<render_shade::Shader>(&self.known.variant(filter, &self.shading))?
             .bind(&render_shade::Bindings {
                 draws: &a.draws,
                 corners: &a.corners,
@@ -194,6 +197,7 @@ impl Device {
             })?;
         Ok(Target {
             size: [width, height],
+            filter,
             ids,
             depth,
             colour,
@@ -272,9 +276,12 @@ impl Device {
             .target
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let filter = view.filter();
         let target = match kept.take() {
-            Some(target) if target.size == [view.width, view.height] => target,
-            _ => self.target(view.width, view.height)?,
+            Some(target) if target.size == [view.width, view.height] && target.filter == filter => {
+                target
+            }
+            _ => self.target(view.width, view.height, filter)?,
         };
         let done = work(&target)?;
         *kept = Some(target);

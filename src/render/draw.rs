@@ -102,6 +102,11 @@ impl Default for Light {
 }
 
 impl ViewConstants {
+    /// How a pixel gathers the reference.
+    pub(crate) fn filter(&self) -> super::filter::Filter {
+        super::filter::Filter::from_code(self.flags >> super::shade::FILTER_SHIFT & 3)
+    }
+
     pub(crate) fn new(camera: &Camera, light: &Light, flags: u32, time: f32) -> Self {
         let over_shoulder = || camera.world_direction([-0.4, 0.55, 0.75]);
         let toward = light.direction.map_or_else(over_shoulder, |d| {

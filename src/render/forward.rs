@@ -6,6 +6,7 @@
 
 use super::device::{Arrays, Posed};
 use super::draw::ViewConstants;
+use super::filter::Filter;
 use super::function;
 use super::known::Known;
 use super::picture::Picture;
@@ -16,10 +17,11 @@ use crate::attribute::texture::{
 };
 use crate::gpu::shaders::render_forward::{Bindings, Push, Shader};
 use crate::gpu::{
-    Bound, Clear, Context, GraphicsOptions, GraphicsPass, Image, ImageOptions, Sampler,
-    SamplerOptions, Timings, vk,
+    Bound, Buffer, Clear, Context, GraphicsOptions, GraphicsPass, Image, ImageOptions, Sampler,
+    SamplerOptions, Timings, Variant, vk,
 };
 use crate::{Error, Result};
+use std::sync::{Mutex, PoisonError};
 
 /// Kinds of textures (size, colour space, sampler) that one picture may have.
 const CLASSES: usize = 8;
@@ -38,37 +40,52 @@ pub(crate) struct Forward {
     context: Context,
     /// What another pose writes anew.
     pub(super) posed: Posed,
-    bound: Bound<Shader>,
+    sources: Sources,
+    /// The pipelines made so far.
+    bound: Mutex<Vec<(Filter, Bound<Shader>)>>,
     draw_count: u32,
     triangle_count: u32,
 }
 
-/// Images of one size that a picture is drawn into.
-struct Target {
-    colour: Image,
-    ids: Image,
-    fetches: Image,
-    depth: Image,
+/// What a pipeline is bound to.
+struct Sources {
+    arrays: Arrays,
+    known: Known,
+    /// The fragment shader, with what is shown in place of base colour.
+    shading: Variant,
+    textures: Buffer,
+    classes: Vec<(Image, Sampler)>,
 }
 
-impl Forward {
-    pub(crate) fn new(context: &Context, picture: &Picture, a: &Arrays) -> Result<Self> {
+impl Sources {
+    fn new(context: &Context, picture: &Picture, arrays: &Arrays) -> Result<Self> {
         let set = &picture.attributes.textures;
-        let (records, classes) = classes(set)?;
-        let mut images = Vec::with_capacity(CLASSES);
-        for class in &classes {
-            images.push((
+        let (records, members) = classes(set)?;
+        let mut classes = Vec::with_capacity(CLASSES);
+        for class in &members {
+            classes.push((
                 image(context, set, class)?,
                 sampler(context, set, class[0])?,
             ));
         }
-        while images.len() < CLASSES {
-            images.push((
+        while classes.len() < CLASSES {
+            classes.push((
                 blank(context)?,
                 context.sampler(&SamplerOptions::default())?,
             ));
         }
-        let textures = context.upload("texture classes", &records)?;
+        let fragment = vk::ShaderStageFlags::FRAGMENT;
+        let path = "render/forward.frag";
+        Ok(Sources {
+            arrays: arrays.clone(),
+            shading: function::variant(&picture.attributes, fragment, path)?,
+            known: Known::of(picture),
+            textures: context.upload("texture classes", &records)?,
+            classes,
+        })
+    }
+
+    fn bind(&self, context: &Context, filter: Filter) -> Result<Bound<Shader>> {
         let options = GraphicsOptions {
             color_formats: &FORMATS,
             depth: Some(vk::Format::D32_SFLOAT),
@@ -76,13 +93,11 @@ impl Forward {
             cull: vk::CullModeFlags::NONE,
             depth_test: true,
         };
-        let class = |k: usize| (&images[k].0, &images[k].1);
-        let fragment = vk::ShaderStageFlags::FRAGMENT;
-        let known = Known::of(picture).constants();
-        let path = "render/forward.frag";
-        let variant = function::variant(&picture.attributes, &known, fragment, path)?;
+        let a = &self.arrays;
+        let class = |k: usize| (&self.classes[k].0, &self.classes[k].1);
+        let variant = self.known.variant(filter, &self.shading);
         let pipeline = context.graphics_variant::<Shader>(&options, &variant)?;
-        let bound = pipeline.bind(&Bindings {
+        pipeline.bind(&Bindings {
             draws: &a.draws,
             corners: &a.corners,
             positions: &a.positions,
@@ -90,7 +105,7 @@ impl Forward {
             attribute_triangles: &a.attribute_triangles,
             attribute_vertices: &a.attribute_vertices,
             materials: &a.materials,
-            textures: &textures,
+            textures: &self.textures,
             igt_hash: &a.igt_hash,
             igt_list: &a.igt_list,
             igt_triangles: &a.igt_triangles,
@@ -102,14 +117,40 @@ impl Forward {
             class_5: class(5),
             class_6: class(6),
             class_7: class(7),
-        })?;
+        })
+    }
+}
+
+/// Images of one size that a picture is drawn into.
+struct Target {
+    colour: Image,
+    ids: Image,
+    fetches: Image,
+    depth: Image,
+}
+
+impl Forward {
+    pub(crate) fn new(context: &Context, picture: &Picture, arrays: &Arrays) -> Result<Self> {
+        let sources = Sources::new(context, picture, arrays)?;
         Ok(Forward {
             context: context.clone(),
-            posed: Posed::new(context, a),
-            bound,
+            posed: Posed::new(context, arrays),
+            sources,
+            bound: Mutex::default(),
             draw_count: picture.draws.len() as u32,
             triangle_count: picture.triangle_count(),
         })
+    }
+
+    /// The pipeline of a filter, made when it is first asked for.
+    fn pipeline(&self, filter: Filter) -> Result<Bound<Shader>> {
+        let mut made = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, there)) = made.iter().find(|(of, _)| *of == filter) {
+            return Ok(there.clone());
+        }
+        let new = self.sources.bind(&self.context, filter)?;
+        made.push((filter, new.clone()));
+        Ok(new)
     }
 
     /// What an image of this size is drawn into.
@@ -127,9 +168,10 @@ impl Forward {
 
     /// Draws into `target` and waits; the time each pass took.
     fn run(&self, view: &ViewConstants, target: &Target) -> Result<Timings> {
+        let pipeline = self.pipeline(view.filter())?;
         let mut recorder = self.context.recorder("forward picture")?;
         recorder.draw(&GraphicsPass {
-            pipeline: &self.bound,
+            pipeline: &pipeline,
             push: self.push(view),
             color: &[
                 (&target.colour, Clear::Float([0.0; 4])),

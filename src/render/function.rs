@@ -8,20 +8,19 @@ use crate::attribute::AttributeSet;
 use crate::gpu::{Variant, vk};
 use crate::{Error, Result};
 
-/// The variant of the shading stage whose source is at `path` below `glsl/`, with these specialization constants.
+/// The variant of the shading stage whose source is at `path` below `glsl/`; no constant is given a value.
 ///
 /// # Errors
 /// [`Error::Input`] where the user's function does not compile.
 #[cfg(feature = "gpu")]
 pub(super) fn variant(
     attributes: &AttributeSet,
-    constants: &[(u32, u32)],
     stage: vk::ShaderStageFlags,
     path: &str,
 ) -> Result<Variant> {
     let code = code(attributes, path)?;
     Ok(Variant {
-        constants: constants.to_vec(),
+        constants: Vec::new(),
         code: code.map(|code| (stage, code)),
     })
 }

@@ -5,8 +5,9 @@
 //! executed, it halves the time of a lookup.
 
 use super::correspond::IDENTITY;
+use super::filter::Filter;
 use super::picture::Picture;
-use crate::gpu::shaders::render_shade as shade;
+use crate::gpu::{Variant, shaders::render_shade as shade};
 use crate::igt::{KnownTables, Tables};
 
 /// Values of the constants.
@@ -45,8 +46,16 @@ impl Known {
         }
     }
 
-    /// The constants with their ids, the same in all shaders that include `render/known.glsl`.
-    pub(crate) fn constants(&self) -> [(u32, u32); 10] {
+    /// `shading` for a filter, made for what is known.
+    pub(crate) fn variant(&self, filter: Filter, shading: &Variant) -> Variant {
+        Variant {
+            constants: self.constants(filter).to_vec(),
+            code: shading.code.clone(),
+        }
+    }
+
+    /// The constants for a filter with their ids, the same in all shaders that include `render/known.glsl`.
+    fn constants(&self, filter: Filter) -> [(u32, u32); 11] {
         let [line, table_layout, record] = self.tables.words();
         [
             (shade::KNOWN_CORRESPONDENCE, self.correspondence),
@@ -59,6 +68,7 @@ impl Known {
             (shade::KNOWN_RECORDED, self.recorded.into()),
             (shade::KNOWN_SHOWN, self.shown.into()),
             (shade::KNOWN_SOLID, self.solid.into()),
+            (shade::KNOWN_FILTER, filter.code()),
         ]
     }
 }

@@ -20,6 +20,7 @@ mod deform;
 #[cfg(feature = "gpu")]
 mod device;
 mod draw;
+mod filter;
 #[cfg(feature = "gpu")]
 mod forward;
 mod frame;
@@ -43,6 +44,7 @@ pub use camera::{Camera, MAX_SIDE, Projection};
 pub use camera_file::{View, parse_views};
 pub use constants::legend;
 pub use draw::Light;
+pub use filter::Filter;
 pub use levels::{in_chain, keep_only, level_near, levels, reference_sphere, subjects, triangles};
 pub use picture::{Geometry, Picture};
 pub use renderer::{Options, Output, Rendered, Renderer};

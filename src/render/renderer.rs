@@ -4,12 +4,13 @@ use super::camera::Camera;
 #[cfg(feature = "gpu")]
 use super::device::{Device, upload};
 use super::draw::{Light, ViewConstants};
+use super::filter::Filter;
 #[cfg(feature = "gpu")]
 use super::forward::Forward;
 use super::picture::Picture;
 use super::shade::{
-    Aov, FETCHES_SHIFT, FLAG_DATA, FLAG_WIREFRAME, NOTHING, OUTPUT_FETCHES, OUTPUT_LIT,
-    OUTPUT_NORMALS, OUTPUT_UNLIT, Pixel,
+    Aov, FETCHES_SHIFT, FILTER_SHIFT, FLAG_DATA, FLAG_WIREFRAME, NOTHING, OUTPUT_FETCHES,
+    OUTPUT_LIT, OUTPUT_NORMALS, OUTPUT_UNLIT, Pixel,
 };
 use super::stage::{Correspond, Subject, stage_with};
 use super::{function, project, raster, resolve, shade};
@@ -48,8 +49,10 @@ pub struct Options {
     pub light: Light,
     /// Fetches at the top of the false-colour scale.
     pub fetches_top: u32,
-    /// Samples a pixel: 1 or 4 (2 x 2, averaged in linear light, weighted by coverage).
+    /// Samples a pixel: 1, 4, 16 or 64 (2 x 2 and so on, averaged in linear light, weighted by coverage).
     pub samples: u32,
+    /// How a LoD gathers the reference's appearance over a pixel.
+    pub filter: Filter,
     /// Seconds, for attributes that vary with time.
     pub time: f32,
 }
@@ -62,6 +65,7 @@ impl Default for Options {
             light: Light::default(),
             fetches_top: 16,
             samples: 1,
+            filter: Filter::Nearest,
             time: 0.0,
         }
     }
@@ -273,6 +277,7 @@ pub(super) fn flags(options: &Options) -> u32 {
     };
     output
         | if options.wireframe { FLAG_WIREFRAME } else { 0 }
+        | options.filter.code() << FILTER_SHIFT
         | (options.fetches_top.min(0xff_ffff) << FETCHES_SHIFT)
 }
 

@@ -15,9 +15,10 @@ pub(crate) fn factor(samples: u32) -> Result<u32> {
         1 => Ok(1),
         4 => Ok(2),
         16 => Ok(4),
+        64 => Ok(8),
         other => Err(Error::Option {
             option: "--samples",
-            reason: format!("{other} is not 1, 4 or 16 samples a pixel"),
+            reason: format!("{other} is not 1, 4, 16 or 64 samples a pixel"),
         }),
     }
 }

@@ -5,15 +5,16 @@
 //! pixel and at its two neighbours, so gradients are analytic and never cross a triangle's border.
 
 use super::constants::{THRESHOLDS_AT, palette};
-use super::correspond::{self, Correspondence};
+use super::correspond;
 use super::cover::{Edges, edges};
 use super::draw::{DrawRecord, Projected, ViewConstants, draw_of_triangle};
+use super::filter::gather;
 use super::frame;
 use super::light::{lit, split, towards_eye};
 use super::picture::Picture;
 use super::project::affine;
 use crate::attribute::arithmetic::{V3, srgb_encode, unit_encode};
-use crate::attribute::surface::{Frame, Surface};
+use crate::attribute::surface::{Frame, Surface, SurfacePoint};
 use rayon::prelude::*;
 
 /// Id of a pixel that no triangle covers.
@@ -27,6 +28,8 @@ pub(crate) const OUTPUT_FETCHES: u32 = 3;
 const OUTPUT_MASK: u32 = 3;
 /// ... whether the drawn triangles' edges are drawn over it ...
 pub(crate) const FLAG_WIREFRAME: u32 = 4;
+/// ... the [`Filter`], two bits from this one on ...
+pub(crate) const FILTER_SHIFT: u32 = 3;
 /// ... whether base colour is data, written as it is ...
 pub(crate) const FLAG_DATA: u32 = 128;
 /// ... and, from this bit on, the number of fetches at the top of the false-colour scale.
@@ -134,27 +137,28 @@ fn shade(
     };
     let found = correspond::find(picture, draw, &drawn);
     let depth = super::cover::depth(&seen, b, [0.0; 2]).unwrap_or(1.0);
-    let world = world_position(picture, draw, vertex, b);
-    let (linear, rgba8) = colour(
-        picture,
-        view,
-        &Sight {
-            here: &here,
-            sense,
-            world,
-            frame: &frame::at(picture, draw, vertex, b),
-            attribute_base: draw.attribute_base,
-        },
-        &found,
-    );
-    let (triangle, barycentric) = found.point.map_or((NOTHING, [0.0; 2]), |p| {
+    let sight = Sight {
+        here: &here,
+        sense,
+        world: world_position(picture, draw, vertex, b),
+        frame: &frame::at(picture, draw, vertex, b),
+        attribute_base: draw.attribute_base,
+    };
+    let filter = view.filter();
+    let see = |p: &SurfacePoint| surface_seen(picture, &sight, p, view.time);
+    let point = found.point;
+    let gathered = gather((picture, draw), &drawn, filter, found, see);
+    let fetches = gathered.fetches;
+    let surface = gathered.surface.unwrap_or(UNKNOWN);
+    let (linear, rgba8) = colour(picture, view, &sight, &surface, fetches);
+    let (triangle, barycentric) = point.map_or((NOTHING, [0.0; 2]), |p| {
         (p.triangle - draw.attribute_base, [p.b[1], p.b[2]])
     });
     let aov = Aov {
         triangle,
         draw: draw_index as u32,
         barycentric,
-        fetches: found.fetches,
+        fetches,
         depth,
     };
     Pixel { linear, rgba8, aov }
@@ -189,34 +193,36 @@ fn world_position(picture: &Picture, draw: &DrawRecord, vertex: [u32; 3], b: [f3
     draw.world.map(|row| affine(row, p))
 }
 
-fn colour(
-    picture: &Picture,
-    view: &ViewConstants,
-    sight: &Sight,
-    found: &Correspondence,
-) -> ([f32; 4], u32) {
-    let constants = &picture.constants;
+/// What the material says at a point, the normal on the side that is seen, and what is shown in place of it.
+fn surface_seen(picture: &Picture, sight: &Sight, p: &SurfacePoint, time: f32) -> Surface {
     let (world, normal) = sight.frame;
     let frame = Frame { world, normal };
-    let mut surface = found.point.map_or(UNKNOWN, |p| {
-        picture.attributes.surface(constants, &p, &frame)
-    });
-    if surface.masked {
-        return ([0.0; 4], 0);
-    }
+    let mut surface = picture.attributes.surface(&picture.constants, p, &frame);
     // Counter-clockwise is the front, with y up; pixels have y down; a mirroring transform turns it again.
     if sight.sense as f32 * normal[0][3] > 0.0 {
         surface.normal = surface.normal.map(|c| -c);
     }
-    if let Some(p) = &found.point {
-        let triangle = p.triangle - sight.attribute_base;
-        let attributes = &picture.attributes;
-        attributes.show(constants, &mut surface, p, triangle, view.time);
+    let triangle = p.triangle - sight.attribute_base;
+    let attributes = &picture.attributes;
+    attributes.show(&picture.constants, &mut surface, p, triangle, time);
+    surface
+}
+
+fn colour(
+    picture: &Picture,
+    view: &ViewConstants,
+    sight: &Sight,
+    surface: &Surface,
+    fetches: u32,
+) -> ([f32; 4], u32) {
+    let constants = &picture.constants;
+    if surface.masked {
+        return ([0.0; 4], 0);
     }
     let output = view.flags & OUTPUT_MASK;
     let coded = match output {
         OUTPUT_NORMALS => Some(surface.normal.map(|c| c * 0.5 + 0.5)),
-        OUTPUT_FETCHES => Some(false_colour(constants, found.fetches, view.flags)),
+        OUTPUT_FETCHES => Some(false_colour(constants, fetches, view.flags)),
         _ if view.flags & FLAG_DATA != 0 => {
             Some([surface.base[0], surface.base[1], surface.base[2]])
         }
@@ -230,7 +236,7 @@ fn colour(
     if output == OUTPUT_LIT && !surface.unlit {
         let (toward, intensity) = split([view.light[0], view.light[1], view.light[2]]);
         rgb = lit(
-            &surface,
+            surface,
             towards_eye(view.eye, sight.world),
             toward,
             intensity,
