@@ -46,6 +46,7 @@ pub mod measure;
 pub mod mesh;
 pub mod output;
 pub mod param;
+pub mod recover;
 pub mod render;
 pub mod scene;
 

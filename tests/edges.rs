@@ -8,7 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms in reading order: a room may name itself and those above it.
-const ROOMS: &str = "error gpu mesh scene param lod igt attribute asset render measure output cli";
+const ROOMS: &str =
+    "error gpu mesh scene param lod igt attribute asset render recover measure output cli";
 
 /// Rooms that see less than the order alone would let them: `gpu` knows no mesh, and nothing but errors.
 const ONLY: [(&str, &[&str]); 2] = [("gpu", &["error"]), ("mesh", &["error"])];

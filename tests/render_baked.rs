@@ -4,9 +4,10 @@
 use invertex::asset::{self, BuildSettings, Built, Processor};
 use invertex::attribute::attributes_of;
 use invertex::measure::{self, Region, compare};
+use invertex::recover::stage_baked;
 use invertex::render::{
     Camera, Correspond, Options, Output, Picture, Projection, Rendered, Renderer, reference_sphere,
-    stage, stage_baked, subjects,
+    stage, subjects,
 };
 use invertex::scene::Scene;
 

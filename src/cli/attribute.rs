@@ -27,42 +27,8 @@ pub(super) struct Showing {
         allow_hyphen_values = true
     )]
     attribute: Option<String>,
-    /// Rays of each vertex for the attribute occlusion. Default: 128.
-    #[arg(
-        long,
-        value_name = "N",
-        requires = "attribute",
-        help_heading = "Attribute"
-    )]
-    occlusion_samples: Option<u32>,
-    /// How far they reach, in diagonals of the model. Default: 0.5.
-    #[arg(
-        long,
-        value_name = "X",
-        requires = "attribute",
-        help_heading = "Attribute",
-        allow_hyphen_values = true
-    )]
-    occlusion_reach: Option<f32>,
-    /// How many times as fine wood, marble, cellular, checker3d and volume are. Default: 1, where a volume is as large as the
-    /// model.
-    #[arg(
-        long,
-        value_name = "X",
-        requires = "attribute",
-        help_heading = "Attribute",
-        allow_hyphen_values = true
-    )]
-    solid_scale: Option<f32>,
-    /// The 3-D image of the attribute volume: a picture of square slices one below the other, or a folder of slices. Slice 0
-    /// is where z is least, y is up.
-    #[arg(
-        long,
-        value_name = "FILE|FOLDER",
-        requires = "attribute",
-        help_heading = "Attribute"
-    )]
-    volume: Option<PathBuf>,
+    #[command(flatten)]
+    computed: Computed,
     /// The function of the attribute procedural: GLSL with vec3 igt_procedural(vec3 position, vec3 normal, float time),
     /// position of the reference at rest in the file's unit, time in seconds, a linear colour. Needs a device.
     #[arg(
@@ -74,6 +40,67 @@ pub(super) struct Showing {
     procedural: Option<PathBuf>,
 }
 
+/// How attributes that have to be computed are.
+#[derive(clap::Args)]
+pub(super) struct Computed {
+    /// Rays of each vertex for the attribute occlusion. Default: 128.
+    #[arg(long, value_name = "N", help_heading = "Attribute")]
+    occlusion_samples: Option<u32>,
+    /// How far they reach, in diagonals of the model. Default: 0.5.
+    #[arg(
+        long,
+        value_name = "X",
+        help_heading = "Attribute",
+        allow_hyphen_values = true
+    )]
+    occlusion_reach: Option<f32>,
+    /// How many times as fine wood, marble, cellular, checker3d and volume are. Default: 1, where a volume is as large as the
+    /// model.
+    #[arg(
+        long,
+        value_name = "X",
+        help_heading = "Attribute",
+        allow_hyphen_values = true
+    )]
+    solid_scale: Option<f32>,
+    /// The 3-D image of the attribute volume: a picture of square slices one below the other, or a folder of slices. Slice 0
+    /// is where z is least, y is up.
+    #[arg(long, value_name = "FILE|FOLDER", help_heading = "Attribute")]
+    volume: Option<PathBuf>,
+}
+
+impl Computed {
+    /// The first of these options that is given.
+    fn given(&self) -> Option<&'static str> {
+        let all = [
+            (self.occlusion_samples.is_some(), "--occlusion-samples"),
+            (self.occlusion_reach.is_some(), "--occlusion-reach"),
+            (self.solid_scale.is_some(), "--solid-scale"),
+            (self.volume.is_some(), "--volume"),
+        ];
+        all.iter()
+            .find(|(given, _)| *given)
+            .map(|(_, option)| *option)
+    }
+
+    /// As options.
+    ///
+    /// # Errors
+    /// Those of [`Volume::load`].
+    pub(super) fn options(&self) -> Result<ShownOptions> {
+        let usual = OcclusionOptions::default();
+        Ok(ShownOptions {
+            occlusion: OcclusionOptions {
+                samples: self.occlusion_samples.unwrap_or(usual.samples),
+                reach: self.occlusion_reach.unwrap_or(usual.reach),
+            },
+            scale: self.solid_scale.unwrap_or(1.0),
+            volume: self.volume.as_deref().map(Volume::load).transpose()?,
+            procedural: None,
+        })
+    }
+}
+
 impl Showing {
     /// The attribute, if one is asked for and `mode` shows any.
     ///
@@ -81,6 +108,12 @@ impl Showing {
     /// [`invertex::Error::Option`] for one that does not exist, or a mode that shows none.
     pub(super) fn attribute(&self, mode: Mode) -> Result<Option<Attribute>> {
         let attribute: Option<Attribute> = self.attribute.as_deref().map(str::parse).transpose()?;
+        if let (None, Some(option)) = (&attribute, self.computed.given()) {
+            return Err(bad_option(
+                option,
+                "says how an attribute is computed: give --attribute",
+            ));
+        }
         match (&attribute, mode) {
             (None, _) | (_, Mode::Reference | Mode::Igt) => Ok(attribute),
             (Some(shown), Mode::Wireframe) if !shown.is_data() => Ok(attribute),
@@ -108,19 +141,13 @@ impl Showing {
         let Some(attribute) = attribute else {
             return Ok(None);
         };
-        let usual = OcclusionOptions::default();
         let options = ShownOptions {
-            occlusion: OcclusionOptions {
-                samples: self.occlusion_samples.unwrap_or(usual.samples),
-                reach: self.occlusion_reach.unwrap_or(usual.reach),
-            },
-            scale: self.solid_scale.unwrap_or(1.0),
-            volume: self.volume.as_deref().map(Volume::load).transpose()?,
             procedural: self
                 .procedural
                 .as_deref()
                 .map(Procedural::load)
                 .transpose()?,
+            ..self.computed.options()?
         };
         let bar = Bar::new(common, 1);
         let heard = |done: usize, of: usize| bar.at("occlusion", done as u64, of as u64);

@@ -5,6 +5,8 @@
 
 mod ambiguous;
 mod attribute;
+mod bake;
+mod bake_report;
 mod build;
 mod compare;
 mod demo;
@@ -80,6 +82,8 @@ enum Verb {
     Query(query::Query),
     /// Draw a model, or a LoD of it that looks like the original.
     Render(render::Render),
+    /// Resample attributes of a reference into textures of a simpler surface.
+    Bake(bake::Bake),
     /// Say where fetches and time go: counts, times, memory, sweeps, heat maps.
     Profile(profile::Profile),
     /// Compare two pictures, or two folders of pictures by name.
@@ -97,6 +101,7 @@ Examples:
   invertex doctor                                              devices, and what is missing
   invertex build model.glb -o built.glb                        LoDs and inverse texture, all in one GLB
   invertex render built.glb -o lod2.png --mode igt --lod 2     a picture of a LoD that looks like the reference
+  invertex bake built.glb -o textures/ --attributes normal     the reference's detail as textures of a LoD
   invertex profile built.glb                                   where fetches and time go
   invertex demo report/                                        everything on the bundled model, as an HTML report
 
@@ -142,6 +147,7 @@ fn run(command: &Command) -> Result<()> {
         Verb::Build(verb) => verb.run(common),
         Verb::Query(verb) => verb.run(common),
         Verb::Render(verb) => verb.run(common),
+        Verb::Bake(verb) => verb.run(common),
         Verb::Profile(verb) => verb.run(common),
         Verb::Compare(verb) => verb.run(common),
         Verb::Demo(verb) => verb.run(common),

@@ -13,6 +13,7 @@ use super::timing::{PassStatistics, TimeStatistics, pass_statistics};
 use crate::asset::{Built, Processor};
 use crate::attribute::{AttributeSet, attributes_of};
 use crate::igt::{BuildOptions, Layout};
+use crate::recover;
 use crate::render::{
     self, Camera, Clock, Correspond, Filter, FrameBudget, FrameTime, Options, Output, Picture,
     Projection, Rendered, Renderer,
@@ -261,7 +262,7 @@ impl Bench<'_> {
             Variant::Plain => Correspond::Plain,
             Variant::Baked => {
                 let size = self.settings.bake_size;
-                return render::stage_baked(attributes, scene, &subjects, size);
+                return recover::stage_baked(attributes, scene, &subjects, size);
             }
         };
         let pose = scene.rest();

@@ -5,11 +5,13 @@
 
 mod exr;
 mod file;
+mod glb;
 mod heat_map;
 mod png;
 pub mod report;
 
 pub use exr::{Aov, encode_exr};
 pub use file::{check_target, make_folder, write_bytes};
+pub use glb::{TexturePlace, TexturedMesh, encode_glb};
 pub use heat_map::heat_map;
 pub use png::encode_png;

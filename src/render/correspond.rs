@@ -65,7 +65,7 @@ fn inverse(picture: &Picture, draw: &DrawRecord, drawn: &Drawn) -> Correspondenc
 
 /// Through the inverse geometric texture, for a triangle whose corners are `t3` on the vertex grid: the reference point,
 /// its triangle counted from `attribute_base`.
-pub(super) fn inverse_at(
+pub(crate) fn inverse_at(
     tables: &Tables,
     attribute_base: u32,
     t3: &[[i32; 4]; 3],

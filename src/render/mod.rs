@@ -9,8 +9,6 @@
 //! shade    id -> correspondence -> attributes -> colour     shade.rs  glsl/render/shade.comp
 //! ```
 
-mod atlas;
-mod baked;
 mod camera;
 mod camera_file;
 mod constants;
@@ -39,15 +37,18 @@ mod shade;
 mod stage;
 mod timed;
 
-pub use baked::stage_baked;
 pub use camera::{Camera, MAX_SIDE, Projection};
 pub use camera_file::{View, parse_views};
 pub use constants::legend;
+pub(crate) use constants::{THRESHOLDS_AT, constants};
+pub(crate) use correspond::inverse_at;
 pub use draw::Light;
 pub use filter::Filter;
 pub use levels::{in_chain, keep_only, level_near, levels, reference_sphere, subjects, triangles};
 pub use picture::{Geometry, Picture};
 pub use renderer::{Options, Output, Rendered, Renderer};
+pub(crate) use shade::Drawn;
+pub(crate) use stage::level_zero;
 pub use stage::{Correspond, Subject, stage, stage_posed, stage_with};
 pub(crate) use timed::Taking;
 pub use timed::{Clock, FrameBudget, FrameTime, TimedFrames};

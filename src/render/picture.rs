@@ -27,7 +27,7 @@ pub struct Geometry {
 
 impl Geometry {
     /// The same, turned inside out by its skin if `handed` is -1.
-    pub(super) fn with_handed(self, handed: f32) -> Self {
+    pub(crate) fn with_handed(self, handed: f32) -> Self {
         Geometry { handed, ..self }
     }
 }

@@ -238,7 +238,7 @@ impl Staging {
 }
 
 /// The reference's own geometry as a LoD: its T3 is what the tables hold, bit for bit.
-pub(super) fn level_zero(mesh: &Mesh, tables: &Tables, layers: &[u8]) -> Lod {
+pub(crate) fn level_zero(mesh: &Mesh, tables: &Tables, layers: &[u8]) -> Lod {
     let primary = &tables.primary;
     let t3 = |v: usize| {
         let grid = primary.to_grid(primary.t3_of(mesh, v));

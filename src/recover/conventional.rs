@@ -7,24 +7,21 @@
 //! base colour and two-level normal are taken there, filtered over the texel's footprint, and the normal is written in
 //! the LoD's tangent frame. Metalness, roughness and emission become their means over the texels; occlusion is left out.
 
-use super::atlas::{self, Atlas, PADDING};
-use super::constants::{THRESHOLDS_AT, constants};
-use super::correspond::inverse_at;
-use super::picture::Picture;
-use super::shade::Drawn;
-use super::stage::{Subject, level_zero};
-use crate::attribute::arithmetic::{V3, cross3, dot3, srgb_encode, sub3, unit_encode, unit3};
+use super::atlas::{self, PADDING};
+use super::low::{ROWS, UPRIGHT, into_frame, unwrapped};
+use super::{fill, texel};
+use crate::attribute::arithmetic::{V3, srgb_encode, unit_encode};
 use crate::attribute::surface::{Frame, Surface};
 use crate::attribute::{
     Alpha, AttributeSet, Material, Pixels, Sampler, Slot, SlotBinding, TextureSet, Wrap,
 };
 use crate::igt::{Asker, Tables};
 use crate::lod::Lod;
-use crate::mesh::{Mesh, MorphTarget};
+use crate::mesh::Mesh;
+use crate::render::{Drawn, Picture, Subject, THRESHOLDS_AT, constants, inverse_at, level_zero};
 use crate::scene::{self, Deformation, Scene};
 use crate::{Error, Result};
 use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// The largest baked texture's side.
 const MOST: u32 = 8192;
@@ -116,7 +113,8 @@ impl Baking {
 
     /// The surface under every texel that has an owner.
     fn texels(&self, lod: &Lod, low: &Mesh, tables: &Tables, base: u32) -> Vec<Option<Texel>> {
-        let owner = owners(low, self.size);
+        let all = 0..low.triangles.len() as u32;
+        let owner = texel::owners(low, all, self.size, 0..self.size);
         let texel = |(at, &t): (usize, &u32)| {
             let t = t as usize;
             let corners = *low.triangles.get(t)?;
@@ -144,8 +142,8 @@ impl Baking {
     /// A texel's centre and its neighbours' as barycentrics of triangle `t`.
     fn drawn(&self, low: &Mesh, lod: &Lod, tables: &Tables, t: usize, at: [u32; 2]) -> Drawn {
         let centre = at.map(|c| f64::from(c) + 0.5);
-        let corners = texel_corners(low, t, self.size);
-        let b = |dx: f64, dy: f64| barycentric(&corners, [centre[0] + dx, centre[1] + dy]);
+        let corners = texel::corners(low, t, self.size);
+        let b = |dx: f64, dy: f64| texel::barycentric(&corners, [centre[0] + dx, centre[1] + dy]);
         let layer = lod.triangle_layer.get(t).copied();
         let t3 = lod.triangles[t].map(|v| lod.t3[v as usize]);
         Drawn {
@@ -224,15 +222,6 @@ struct Texel {
     tangent_space: V3,
 }
 
-/// Rows of no transform at all.
-const ROWS: [[f32; 4]; 3] = [
-    [1.0, 0.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0, 0.0],
-    [0.0, 0.0, 1.0, 0.0],
-];
-/// The same for normals: the fourth of the first row is the handedness.
-const UPRIGHT: [[f32; 4]; 3] = [[1.0, 0.0, 0.0, 1.0], ROWS[1], ROWS[2]];
-
 fn mean(texels: &[Option<Texel>], of: &dyn Fn(&Surface) -> f32) -> f32 {
     let (sum, count) = texels.iter().flatten().fold((0.0, 0u32), |(sum, n), t| {
         (sum + f64::from(of(&t.surface)), n + 1)
@@ -250,122 +239,9 @@ fn masked(scene: &Scene, mesh: &Mesh) -> (Alpha, f32) {
     cut.map_or((Alpha::Opaque, 0.5), |cutoff| (Alpha::Mask, cutoff))
 }
 
-/// The LoD as a mesh whose vertices are split where charts meet, with tangents along its texture coordinates. Triangles
-/// keep their numbers.
-fn unwrapped(reference: &Mesh, lod: &Lod, atlas: &Atlas) -> Mesh {
-    let mut out = Mesh {
-        name: reference.name.clone(),
-        uv_sets: vec![Vec::new()],
-        triangle_material: vec![0; lod.triangles.len()],
-        targets: vec![MorphTarget::default(); lod.targets.len()],
-        target_weights: reference.target_weights.clone(),
-        ..Mesh::default()
-    };
-    let mut known: HashMap<(u32, u32), u32> = HashMap::new();
-    for (t, triangle) in lod.triangles.iter().enumerate() {
-        let corners = [0, 1, 2].map(|k| {
-            let v = triangle[k];
-            *known.entry((v, atlas.chart[t])).or_insert_with(|| {
-                out.positions.push(lod.positions[v as usize]);
-                out.normals.push(lod.normals[v as usize]);
-                out.joints.extend(lod.joints.get(v as usize));
-                out.weights.extend(lod.weights.get(v as usize));
-                for (to, from) in out.targets.iter_mut().zip(&lod.targets) {
-                    to.positions.extend(from.positions.get(v as usize));
-                    to.normals.extend(from.normals.get(v as usize));
-                }
-                out.uv_sets[0].push(atlas.uv[t][k]);
-                out.positions.len() as u32 - 1
-            })
-        });
-        out.triangles.push(corners);
-    }
-    out.tangents = vec![[0.0; 4]; out.positions.len()];
-    out.generate_tangents(&vec![Some(0); out.triangles.len()]);
-    out
-}
-
-/// A triangle's corners in texels.
-fn texel_corners(low: &Mesh, t: usize, size: u32) -> [[f64; 2]; 3] {
-    let uv = &low.uv_sets[0];
-    low.triangles[t].map(|v| uv[v as usize].map(|c| f64::from(c) * f64::from(size)))
-}
-
-/// Barycentrics of `at`; none in a triangle without area.
-fn barycentric(corners: &[[f64; 2]; 3], at: [f64; 2]) -> Option<[f32; 3]> {
-    let [a, b, c] = *corners;
-    let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
-    let less = |p: [f64; 2], q: [f64; 2]| [p[0] - q[0], p[1] - q[1]];
-    let area = cross(less(b, a), less(c, a));
-    if area == 0.0 {
-        return None;
-    }
-    let b1 = cross(less(at, a), less(c, a)) / area;
-    let b2 = cross(less(b, a), less(at, a)) / area;
-    Some([1.0 - b1 - b2, b1, b2].map(|x| x as f32))
-}
-
-/// For each texel the first triangle that covers its centre; `u32::MAX` where there is none.
-fn owners(low: &Mesh, size: u32) -> Vec<u32> {
-    let mut owner = vec![u32::MAX; (size * size) as usize];
-    let within = |x: f64| x.clamp(0.0, f64::from(size)) as u32;
-    for t in 0..low.triangles.len() {
-        let corners = texel_corners(low, t, size);
-        let bounds = |k: usize| {
-            let c = corners.map(|p| p[k]);
-            let low = c.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = c.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            within(low.floor())..within(high.ceil())
-        };
-        for y in bounds(1) {
-            for x in bounds(0) {
-                let slot = &mut owner[(y * size + x) as usize];
-                let at = [x, y].map(|c| f64::from(c) + 0.5);
-                let inside = barycentric(&corners, at).is_some_and(|b| b.iter().all(|&b| b >= 0.0));
-                if inside && *slot == u32::MAX {
-                    *slot = t as u32;
-                }
-            }
-        }
-    }
-    owner
-}
-
-/// `normal` (object space) as a tangent-space normal at barycentrics `b` of a triangle of `low`: what undoes the shading.
-fn into_frame(low: &Mesh, corners: [u32; 3], b: [f32; 3], normal: V3) -> V3 {
-    let weighted = |at: &dyn Fn(usize) -> V3| -> V3 {
-        std::array::from_fn(|i| (0..3).map(|k| b[k] * at(corners[k] as usize)[i]).sum())
-    };
-    let n = unit3(weighted(&|v| low.normals[v]), normal);
-    let t = weighted(&|v| {
-        let [x, y, z, _] = low.tangents[v];
-        [x, y, z]
-    });
-    // The shading does not make them perpendicular; the small difference is taken out here.
-    let t = sub3(t, n.map(|c| c * dot3(n, t)));
-    let t = unit3(t, cross3(n, [0.0, 1.0, 0.0]));
-    let side = low.tangents[corners[0] as usize][3];
-    let bitangent = cross3(n, t).map(|c| c * side);
-    [dot3(normal, t), dot3(normal, bitangent), dot3(normal, n)]
-}
-
 /// RGBA of texels, those without an owner filled from their neighbours as far as filtering may reach, then with the mean.
 fn spread(texels: impl Iterator<Item = Option<[u8; 4]>>, size: u32) -> Vec<u8> {
-    let mut known: Vec<Option<[u8; 4]>> = texels.collect();
-    let size = size as usize;
-    for _ in 0..2 * PADDING {
-        let grown = (0..known.len()).into_par_iter().map(|at| {
-            let (x, y) = (at % size, at / size);
-            let near = [
-                (x > 0).then(|| at - 1),
-                (x + 1 < size).then_some(at + 1),
-                (y > 0).then(|| at - size),
-                (y + 1 < size).then_some(at + size),
-            ];
-            known[at].or_else(|| near.into_iter().flatten().find_map(|n| known[n]))
-        });
-        known = grown.collect();
-    }
+    let known = fill::spread(texels.collect(), size, 2 * PADDING);
     let (mut sum, mut count) = ([0u64; 4], 0u64);
     for texel in known.iter().flatten() {
         (0..4).for_each(|k| sum[k] += u64::from(texel[k]));

@@ -1,0 +1,153 @@
+//! What `bake` says of its textures.
+
+use std::path::Path;
+
+use invertex::Result;
+use invertex::output::write_bytes;
+use invertex::recover::{BakeSettings, Baked, Over};
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+use sha2::{Digest, Sha256};
+
+use super::print::{Table, percent};
+
+#[derive(Serialize)]
+pub(super) struct Report {
+    file: String,
+    device: &'static str,
+    mapping: &'static str,
+    over: &'static str,
+    lod: Option<usize>,
+    size: u32,
+    samples: u32,
+    padding: u32,
+    filled_fraction: f64,
+    missed_fraction: f64,
+    meshes: Vec<MeshReport>,
+    pub(super) textures: Vec<TextureReport>,
+    files: Vec<String>,
+    #[serde(serialize_with = "by_name")]
+    pub(super) ms: Vec<(&'static str, f64)>,
+    pub(super) warnings: Vec<String>,
+}
+
+fn by_name<S: Serializer>(times: &[(&str, f64)], to: S) -> std::result::Result<S::Ok, S::Error> {
+    let mut map = to.serialize_map(Some(times.len()))?;
+    for (name, ms) in times {
+        map.serialize_entry(name, ms)?;
+    }
+    map.end()
+}
+
+#[derive(Serialize)]
+pub(super) struct MeshReport {
+    name: String,
+    /// Of the LoD.
+    triangles: Option<usize>,
+    filled_fraction: f64,
+    missed_fraction: f64,
+    #[serde(skip)]
+    counts: [u64; 3],
+}
+
+#[derive(Serialize)]
+pub(super) struct TextureReport {
+    mesh: String,
+    attribute: String,
+    path: String,
+    sha256: String,
+}
+
+impl TextureReport {
+    pub(super) fn new(mesh: &str, attribute: &str, path: &Path, bytes: &[u8]) -> Self {
+        let digest = Sha256::digest(bytes);
+        TextureReport {
+            mesh: mesh.to_owned(),
+            attribute: attribute.to_owned(),
+            path: path.display().to_string(),
+            sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+        }
+    }
+}
+
+impl MeshReport {
+    pub(super) fn new(name: &str, triangles: Option<usize>, baked: &Baked, size: u32) -> Self {
+        let counts = [
+            baked.filled,
+            baked.missed,
+            u64::from(size) * u64::from(size),
+        ];
+        let (filled_fraction, missed_fraction) = fractions(counts);
+        MeshReport {
+            name: name.to_owned(),
+            triangles,
+            filled_fraction,
+            missed_fraction,
+            counts,
+        }
+    }
+}
+
+/// Texels with a point of the reference, of all; texels on the surface without one, of those on it.
+fn fractions([filled, missed, all]: [u64; 3]) -> (f64, f64) {
+    let share = |part: u64, of: u64| part as f64 / of.max(1) as f64;
+    (share(filled, all), share(missed, filled + missed))
+}
+
+impl Report {
+    pub(super) fn new(file: String, settings: &BakeSettings) -> Self {
+        let (over, lod) = match settings.over {
+            Over::Lod(level) => ("lod", Some(level)),
+            Over::Primary => ("primary", None),
+        };
+        Report {
+            file,
+            device: "cpu",
+            mapping: "uv-match",
+            over,
+            lod,
+            size: settings.size,
+            samples: settings.samples,
+            padding: settings.padding,
+            filled_fraction: 0.0,
+            missed_fraction: 0.0,
+            meshes: vec![],
+            textures: vec![],
+            files: vec![],
+            ms: vec![],
+            warnings: vec![],
+        }
+    }
+
+    /// Writes a file that is no texture.
+    pub(super) fn file(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
+        write_bytes(path, bytes)?;
+        self.files.push(path.display().to_string());
+        Ok(())
+    }
+
+    /// Adds a mesh.
+    pub(super) fn mesh(&mut self, mesh: MeshReport) {
+        self.meshes.push(mesh);
+        let sum = |k: usize| self.meshes.iter().map(|m| m.counts[k]).sum::<u64>();
+        (self.filled_fraction, self.missed_fraction) = fractions([sum(0), sum(1), sum(2)]);
+    }
+
+    pub(super) fn text(&self) -> String {
+        let mut table = Table::new(&["mesh", "attribute", "file"]);
+        for texture in &self.textures {
+            table.row([&texture.mesh, &texture.attribute, &texture.path]);
+        }
+        let mut text = table.text();
+        let mut table = Table::new(&["mesh", "filled", "missed"]);
+        for mesh in &self.meshes {
+            let [filled, missed] = [mesh.filled_fraction, mesh.missed_fraction].map(percent);
+            table.row([mesh.name.clone(), filled, missed]);
+        }
+        text += &format!("\n{}", table.text());
+        for file in &self.files {
+            text += &format!("{file}\n");
+        }
+        text
+    }
+}

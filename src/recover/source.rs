@@ -1,0 +1,222 @@
+//! What is fetched for a texel.
+//!
+//! In: a scene, an attribute by name. Out: [`Source`]: its value at any point of the reference, and how the value is coded
+//! into 8 bits.
+
+use super::low::{ROWS, UPRIGHT, into_frame};
+use crate::attribute::arithmetic::{V3, unit3};
+use crate::attribute::surface::{Frame, SurfacePoint};
+use crate::attribute::{Attribute, AttributeSet, Factor, Shown, ShownOptions, attributes_showing};
+use crate::mesh::Mesh;
+use crate::scene::Scene;
+use crate::{Error, Result};
+use std::fmt;
+use std::str::FromStr;
+
+/// What is resampled into a texture.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BakeAttribute {
+    /// The reference's normal, tilted by its normal map, in the tangent frame of the surface that is baked for.
+    Normal,
+    /// The same in object space.
+    ObjectNormal,
+    /// The position, object space; in 8 bits from the model's low corner, its longest side being 1.
+    Position,
+    /// Anything that pictures show in place of base colour.
+    Shown(Attribute),
+}
+
+impl FromStr for BakeAttribute {
+    type Err = Error;
+
+    /// `normal`, `object-normal`, `position`, `color` (the base colour, vertex colours included), or an [`Attribute`].
+    fn from_str(text: &str) -> Result<Self> {
+        Ok(match text.trim() {
+            "normal" => BakeAttribute::Normal,
+            "object-normal" => BakeAttribute::ObjectNormal,
+            "position" => BakeAttribute::Position,
+            "color" => BakeAttribute::Shown("base-color".parse()?),
+            "vertex-color" => BakeAttribute::Shown("color".parse()?),
+            other => {
+                let attribute: Attribute = other.parse().map_err(|error| match error {
+                    Error::Option { reason, .. } => Error::Option {
+                        option: "--attributes",
+                        reason,
+                    },
+                    error => error,
+                })?;
+                if attribute.factors().contains(&Factor::Procedural) {
+                    return Err(Error::Option {
+                        option: "--attributes",
+                        reason: "procedural runs on a device only and is not baked".into(),
+                    });
+                }
+                BakeAttribute::Shown(attribute)
+            }
+        })
+    }
+}
+
+impl fmt::Display for BakeAttribute {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            BakeAttribute::Normal => f.write_str("normal"),
+            BakeAttribute::ObjectNormal => f.write_str("object-normal"),
+            BakeAttribute::Position => f.write_str("position"),
+            BakeAttribute::Shown(attribute) if attribute.to_string() == "base-color" => {
+                f.write_str("color")
+            }
+            BakeAttribute::Shown(attribute) if attribute.to_string() == "color" => {
+                f.write_str("vertex-color")
+            }
+            BakeAttribute::Shown(attribute) => attribute.fmt(f),
+        }
+    }
+}
+
+/// An attribute made ready to be fetched.
+pub(super) struct Source {
+    pub(super) attribute: BakeAttribute,
+    set: AttributeSet,
+    /// First triangle of the mesh at hand.
+    base: u32,
+    /// The model's low corner and longest side.
+    bounds: (V3, f32),
+}
+
+/// Where a sample lies on the surface that is baked for.
+pub(super) struct Low<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) corners: [u32; 3],
+    pub(super) b: V3,
+}
+
+impl Source {
+    /// Makes `attribute` ready; also what was replaced on the way.
+    pub(super) fn new(
+        scene: &Scene,
+        attribute: &BakeAttribute,
+        options: &ShownOptions,
+        progress: &dyn Fn(usize, usize),
+    ) -> Result<(Source, Vec<String>)> {
+        let shown = match attribute {
+            BakeAttribute::Shown(shown) => shown.clone(),
+            _ => "normal".parse()?,
+        };
+        let shown = Shown::new(scene, &shown, options, progress)?;
+        let (set, warnings) = attributes_showing(scene, false, &shown)?;
+        let source = Source {
+            attribute: attribute.clone(),
+            set,
+            base: 0,
+            bounds: bounds(scene),
+        };
+        Ok((source, warnings))
+    }
+
+    /// From now on points are those of mesh `number`; the number of its first triangle.
+    pub(super) fn take(&mut self, mesh: &Mesh, number: usize) -> Result<u32> {
+        self.base = self.set.push_mesh_of_scene(mesh, number)?;
+        Ok(self.base)
+    }
+
+    /// Whether values are linear light, written as sRGB.
+    pub(super) fn is_color(&self) -> bool {
+        match &self.attribute {
+            BakeAttribute::Shown(shown) => !shown.is_data(),
+            _ => false,
+        }
+    }
+
+    /// Whether values are directions.
+    pub(super) fn is_direction(&self) -> bool {
+        matches!(
+            self.attribute,
+            BakeAttribute::Normal | BakeAttribute::ObjectNormal
+        )
+    }
+
+    /// The value at a point whose triangle counts from the mesh's first; directions and positions as they are.
+    pub(super) fn at(
+        &self,
+        decode: &[f32],
+        mesh: &Mesh,
+        point: &SurfacePoint,
+        low: Option<&Low>,
+    ) -> [f32; 4] {
+        if self.attribute == BakeAttribute::Position {
+            let corners = mesh.corners(point.triangle as usize);
+            let [x, y, z] = [0, 1, 2].map(|i| (0..3).map(|k| point.b[k] * corners[k][i]).sum());
+            return [x, y, z, 1.0];
+        }
+        let here = SurfacePoint {
+            triangle: point.triangle + self.base,
+            ..*point
+        };
+        let frame = Frame {
+            world: &ROWS,
+            normal: &UPRIGHT,
+        };
+        let mut surface = self.set.surface(decode, &here, &frame);
+        let [x, y, z] = match (&self.attribute, low) {
+            (BakeAttribute::Normal, Some(low)) => {
+                into_frame(low.mesh, low.corners, low.b, surface.normal)
+            }
+            (BakeAttribute::Normal | BakeAttribute::ObjectNormal, _) => surface.normal,
+            _ => {
+                self.set
+                    .show(decode, &mut surface, &here, point.triangle, 0.0);
+                let [r, g, b, _] = surface.base;
+                [r, g, b]
+            }
+        };
+        let alpha = if self.is_color() {
+            surface.base[3]
+        } else {
+            1.0
+        };
+        [x, y, z, alpha]
+    }
+
+    /// A mean of values as a value.
+    pub(super) fn mean(&self, sum: [f32; 4], count: f32) -> [f32; 4] {
+        let [x, y, z, w] = sum.map(|s| s / count);
+        if self.is_direction() {
+            let [x, y, z] = unit3([x, y, z], [0.0, 0.0, 1.0]);
+            return [x, y, z, w];
+        }
+        [x, y, z, w]
+    }
+
+    /// A value of data as 8 bits hold it, 0..1.
+    pub(super) fn coded(&self, value: [f32; 4]) -> [f32; 4] {
+        let [x, y, z, w] = value;
+        let [x, y, z] = match self.attribute {
+            BakeAttribute::Position => {
+                let (low, longest) = self.bounds;
+                [
+                    (x - low[0]) / longest,
+                    (y - low[1]) / longest,
+                    (z - low[2]) / longest,
+                ]
+            }
+            _ if self.is_direction() => [x, y, z].map(|c| c * 0.5 + 0.5),
+            _ => [x, y, z],
+        };
+        [x, y, z, w]
+    }
+}
+
+/// Low corner and longest side of the box round all meshes.
+fn bounds(scene: &Scene) -> (V3, f32) {
+    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    for (a, b) in scene.meshes.iter().filter_map(Mesh::bounds) {
+        for k in 0..3 {
+            (low[k], high[k]) = (low[k].min(a[k]), high[k].max(b[k]));
+        }
+    }
+    let longest = (0..3)
+        .map(|k| high[k] - low[k])
+        .fold(f32::MIN_POSITIVE, f32::max);
+    (low, longest)
+}

@@ -1,0 +1,74 @@
+//! Texels of a surface with texture coordinates.
+//!
+//! In: a mesh with one uv set, the size of a texture. Out: which triangle owns each texel's centre, and where in it that is.
+
+use crate::mesh::Mesh;
+use std::ops::Range;
+
+/// A triangle's corners in texels.
+pub(super) fn corners(low: &Mesh, t: usize, size: u32) -> [[f64; 2]; 3] {
+    let uv = &low.uv_sets[0];
+    low.triangles[t].map(|v| uv[v as usize].map(|c| f64::from(c) * f64::from(size)))
+}
+
+/// Barycentrics of `at`; none in a triangle without area.
+pub(super) fn barycentric(corners: &[[f64; 2]; 3], at: [f64; 2]) -> Option<[f32; 3]> {
+    let [a, b, c] = *corners;
+    let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
+    let less = |p: [f64; 2], q: [f64; 2]| [p[0] - q[0], p[1] - q[1]];
+    let area = cross(less(b, a), less(c, a));
+    if area == 0.0 {
+        return None;
+    }
+    let b1 = cross(less(at, a), less(c, a)) / area;
+    let b2 = cross(less(b, a), less(at, a)) / area;
+    Some([1.0 - b1 - b2, b1, b2].map(|x| x as f32))
+}
+
+/// For each texel of some rows of a texture of `size` x `size` the first of `triangles` that covers its centre; `u32::MAX`
+/// where there is none.
+pub(super) fn owners(
+    low: &Mesh,
+    triangles: impl Iterator<Item = u32>,
+    size: u32,
+    rows: Range<u32>,
+) -> Vec<u32> {
+    let mut owner = vec![u32::MAX; size as usize * rows.len()];
+    for t in triangles {
+        let corners = corners(low, t as usize, size);
+        let ys = span(&corners, 1, size);
+        for y in ys.start.max(rows.start)..ys.end.min(rows.end) {
+            for x in span(&corners, 0, size) {
+                let slot = &mut owner[((y - rows.start) as usize) * size as usize + x as usize];
+                let at = [x, y].map(|c| f64::from(c) + 0.5);
+                let inside = barycentric(&corners, at).is_some_and(|b| b.iter().all(|&b| b >= 0.0));
+                if inside && *slot == u32::MAX {
+                    *slot = t;
+                }
+            }
+        }
+    }
+    owner
+}
+
+/// For each of the bands of `height` rows the triangles that reach into it, in growing order.
+pub(super) fn bands(low: &Mesh, size: u32, height: u32) -> Vec<Vec<u32>> {
+    let mut bands = vec![Vec::new(); size.div_ceil(height) as usize];
+    for t in 0..low.triangles.len() {
+        let ys = span(&corners(low, t, size), 1, size);
+        if !ys.is_empty() {
+            let reached = ys.start / height..=(ys.end - 1) / height;
+            reached.for_each(|band| bands[band as usize].push(t as u32));
+        }
+    }
+    bands
+}
+
+/// Columns (k = 0) or rows (1) that a triangle may cover.
+fn span(corners: &[[f64; 2]; 3], k: usize, size: u32) -> Range<u32> {
+    let within = |x: f64| x.clamp(0.0, f64::from(size)) as u32;
+    let c = corners.map(|p| p[k]);
+    let low = c.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = c.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    within(low.floor())..within(high.ceil())
+}
