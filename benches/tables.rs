@@ -18,11 +18,13 @@ mod shared;
 
 use clap::Parser;
 use invertex::gpu::PassTime;
+use invertex::igt::layout::packed;
 use invertex::igt::{self, Asking, BuildOptions, Layout, Needs, Reference, Tables};
 use invertex::param::{Primary, PrimaryKind};
 use serde_json::{Value, json};
 use shared::{
-    Failure, archive, bumpy_sphere, contexts, in_one_texel, median, sheet, slivers, with_giant,
+    Failure, archive, bumpy_sphere, contexts, in_one_texel, median, processor_milliseconds, sheet,
+    slivers, with_giant,
 };
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -106,15 +108,6 @@ fn case(arguments: &Arguments, name: &'static str, layout: Layout) -> Result<Cas
     })
 }
 
-/// Milliseconds that the processors have worked for this process so far; 0 where the system does not say.
-fn processor_milliseconds() -> f64 {
-    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // After the name in brackets: user and system time are the 12th and 13th, in hundredths of a second.
-    let fields = text.rsplit(')').next().unwrap_or_default();
-    let ticks = fields.split_whitespace().skip(11).take(2);
-    ticks.filter_map(|t| t.parse::<f64>().ok()).sum::<f64>() * 10.0
-}
-
 /// Milliseconds of each counted run, and of the processors' work in a run; the tables and the last run's passes.
 struct Timed {
     milliseconds: Vec<f64>,
@@ -143,18 +136,56 @@ fn time(
     })
 }
 
+/// Entries of all lists as the tables hold them: crowded texels are divided, and their parts' lists are longer together.
+fn written(tables: &Tables) -> u64 {
+    if tables.layout == Layout::Classic {
+        return tables.stats.entries;
+    }
+    let bits = |mixed| tables.format.entry_bits(mixed);
+    let count = |mut run: packed::Run, bits, masked| {
+        std::iter::from_fn(|| run.next(bits, masked)).count() as u64
+    };
+    let mut entries = 0;
+    for words in tables.hash.chunks_exact(2) {
+        let packed::Head::List {
+            run,
+            mut rest,
+            kind,
+        } = packed::head([words[0], words[1]])
+        else {
+            continue;
+        };
+        let bits = bits(kind.mixed);
+        entries += count(run, bits, false);
+        while let packed::Rest::Full(unit) = rest {
+            let (run, last) = packed::full_run(&tables.list, unit, bits);
+            entries += count(run, bits, true);
+            rest = if last {
+                packed::Rest::None
+            } else {
+                packed::Rest::Full(unit + 2)
+            };
+        }
+        if let packed::Rest::Half(unit) = rest {
+            entries += count(packed::half_run(&tables.list, unit, bits), bits, true);
+        }
+    }
+    entries
+}
+
 fn line(case: &Case, device: &str, timed: &Timed) -> (String, Value) {
     let triangles = case.reference.triangles.len();
     let ms = median(&timed.milliseconds);
     let rate = triangles as f64 / ms * 1e3;
     let layout = format!("{:?}", case.layout).to_lowercase();
+    let entries = written(&timed.tables);
     let mut text = format!(
-        "{:<22} {layout:<8} {device:<44} {ms:>8.1} ms {:>7.2} M triangles/s, processors {:>8.1} ms, {} entries, {:.0} ns an entry",
+        "{:<22} {layout:<8} {device:<44} {ms:>8.1} ms {:>7.2} M triangles/s, processors {:>8.1} ms, {} entries, {entries} written, {:.0} ns each",
         case.name,
         rate / 1e6,
         timed.processors,
         timed.tables.stats.entries,
-        ms * 1e6 / timed.tables.stats.entries.max(1) as f64
+        ms * 1e6 / entries.max(1) as f64
     );
     for pass in &timed.passes {
         let _ = write!(
@@ -172,7 +203,7 @@ fn line(case: &Case, device: &str, timed: &Timed) -> (String, Value) {
     let value = json!({
         "case": case.name, "layout": layout, "device": device, "triangles": triangles, "median_ms": ms,
         "triangles_per_second": rate, "runs_ms": timed.milliseconds, "processors_ms": timed.processors, "entries": timed.tables.stats.entries,
-        "ns_per_entry": ms * 1e6 / timed.tables.stats.entries.max(1) as f64,
+        "entries_written": entries, "ns_per_entry_written": ms * 1e6 / entries.max(1) as f64,
         "mean_list": timed.tables.stats.mean_list, "sha256": timed.tables.sha256(), "passes": passes,
     });
     (text, value)

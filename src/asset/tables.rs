@@ -94,6 +94,7 @@ impl Opening<'_> {
             let element = format!("{element}.{what}");
             let range = self.view(&element, view)?;
             let bytes = range.len();
+            self.file.expect(range.clone());
             Words::in_file(self.file, range)
                 .ok_or_else(|| self.fault(&element, format!("{bytes} bytes are not whole words")))
         };

@@ -27,8 +27,8 @@ impl Ambiguous {
                 .map(|v| glam::Vec3::from(mesh.positions[v as usize]).as_dvec3());
             (b - a).cross(c - a).length()
         };
-        let all: f64 = (0..mesh.triangles.len() as u32).map(area).sum();
-        let theirs: f64 = triangles.iter().copied().map(area).sum();
+        let all = (0..mesh.triangles.len() as u32).fold(0.0, |sum, t| sum + area(t));
+        let theirs = triangles.iter().fold(0.0, |sum, t| sum + area(*t));
         Ok(Ambiguous {
             triangles,
             area_fraction: if all > 0.0 { theirs / all } else { 0.0 },

@@ -69,6 +69,11 @@ impl Reference {
 
     /// The grid coordinates of a triangle's vertices.
     pub fn corners(&self, triangle: usize) -> GridTriangle {
-        self.triangles[triangle].map(|v| self.t3[v as usize])
+        let [a, b, c] = self.triangles[triangle];
+        [
+            self.t3[a as usize],
+            self.t3[b as usize],
+            self.t3[c as usize],
+        ]
     }
 }

@@ -171,7 +171,7 @@ impl Rests {
                 Head::Empty => true,
                 Head::List { run, rest, kind } => {
                     let lists = &lists[usize::from(kind.mixed)];
-                    lists.run_fits(run, lists.bits)
+                    lists.head_fits(run)
                         && match rest {
                             Rest::None => true,
                             Rest::Half(unit) => lists.half_fits(unit),
@@ -196,13 +196,35 @@ impl Rests {
     }
 }
 
+/// More than the entries of a block: they have seven bits at least.
+const SLOTS: usize = 19;
+
+/// What has been seen of some entries.
+#[derive(Default)]
+struct Seen {
+    ended: bool,
+    lost: bool,
+}
+
+impl Seen {
+    /// The next entry, in the low bits of a word.
+    #[inline]
+    fn entry(&mut self, lists: &Lists<'_>, word: u32) {
+        let end = packed::end(lists.bits);
+        let entry = word & end;
+        self.ended |= entry == end;
+        self.lost |= !self.ended & (entry >> lists.layer_bits >= lists.triangles);
+    }
+}
+
 /// Packed lists of one kind.
 struct Lists<'a> {
     list: &'a [u32],
     triangles: u32,
-    /// Of an entry, and of one with its mask.
+    /// Of an entry.
     bits: u32,
-    masked_bits: u32,
+    /// Word and bit at which each entry of a block begins.
+    slots: [[u32; 2]; SLOTS],
     /// Of an entry's layer.
     layer_bits: u32,
     /// Whether lists of this kind can be.
@@ -217,42 +239,59 @@ impl<'a> Lists<'a> {
             // Numbers have up to 31 bits: more triangles than that have all of them.
             triangles: triangles.min(u32::MAX as usize) as u32,
             bits,
-            masked_bits: bits + packed::MASK_BITS,
+            slots: std::array::from_fn(|k| {
+                let at = k as u32 * (bits + packed::MASK_BITS);
+                [at / 32, at % 32]
+            }),
             layer_bits: if mixed { format.layer_bits } else { 0 },
             exist: !mixed || format.layer_bits > 0,
         }
     }
 
-    /// Whether the entries of a run, `stride` bits apart, name triangles that exist. No branch depends on an entry.
+    /// Whether the entries in a head name triangles that exist. No branch depends on an entry, here and below.
     #[inline]
-    fn run_fits(&self, run: Run, stride: u32) -> bool {
-        let end = packed::end(self.bits);
-        let (mut window, mut ended, mut lost) = (run.window, false, false);
+    fn head_fits(&self, run: Run) -> bool {
+        let mut window = run.window as u64;
+        let mut seen = Seen::default();
         for _ in 0..run.count {
-            let entry = window as u32 & end;
-            ended |= entry == end;
-            lost |= !ended & (entry >> self.layer_bits >= self.triangles);
-            window >>= stride;
+            seen.entry(self, window as u32);
+            window >>= self.bits;
         }
-        !lost
+        !seen.lost
+    }
+
+    /// Whether the first `count` entries of a block do.
+    #[inline]
+    fn block_of_fits(&self, words: [u32; 5], count: u32) -> bool {
+        let mut seen = Seen::default();
+        for [word, bit] in &self.slots[..count as usize] {
+            let (low, high) = (words[*word as usize], words[*word as usize + 1]);
+            let two = u64::from(low) | u64::from(high) << 32;
+            seen.entry(self, (two >> bit) as u32);
+        }
+        !seen.lost
     }
 
     fn half_fits(&self, unit: usize) -> bool {
+        let words = self.list.get(2 * unit..2 * unit + 2);
         self.exist
-            && unit < self.list.len() / 2
-            && self.run_fits(
-                packed::half_run(self.list, unit, self.bits),
-                self.masked_bits,
-            )
+            && words.is_some_and(|w| {
+                self.block_of_fits([w[0], w[1], 0, 0, 0], packed::in_half(self.bits))
+            })
     }
 
     /// Whether a full block exists and fits, and whether it is a list's last.
+    #[inline]
     fn block_fits(&self, block: usize) -> (bool, bool) {
-        if !self.exist || block >= self.list.len() / 4 {
-            return (false, true);
+        match self.list.get(4 * block..4 * block + 4) {
+            Some(w) if self.exist => {
+                // Bit 127 is no part of an entry.
+                let words = [w[0], w[1], w[2], w[3] & !packed::LAST, 0];
+                let fits = self.block_of_fits(words, packed::in_full(self.bits));
+                (fits, w[3] & packed::LAST != 0)
+            }
+            _ => (false, true),
         }
-        let (run, last) = packed::full_run(self.list, 2 * block, self.bits);
-        (self.run_fits(run, self.masked_bits), last)
     }
 
     /// Whether the first blocks of a list fit, and the block that has more of it.

@@ -127,8 +127,8 @@ fn rows(bits: u32, values: [i32; 3]) -> [u32; 2] {
 }
 
 fn parallel_box(bits: u32, t: &GridTriangle) -> TexelBox {
-    let [x0, x1] = rows(bits, t.map(|v| v[0]));
-    let [y0, y1] = rows(bits, t.map(|v| v[1]));
+    let [x0, x1] = rows(bits, [t[0][0], t[1][0], t[2][0]]);
+    let [y0, y1] = rows(bits, [t[0][1], t[1][1], t[2][1]]);
     TexelBox::from_texels([x0, y0], [x1, y1], 0)
 }
 

@@ -11,9 +11,6 @@
 use super::estimate::{self, Frame};
 use crate::param::projection::GridTriangle;
 
-/// The most triangles of a list.
-pub(super) const MOST: usize = 16;
-
 /// The corners after corner i, and after that one.
 const NEXT: [usize; 4] = [1, 2, 0, 1];
 
@@ -103,6 +100,12 @@ impl Flat {
         estimate::share(&self.at)
     }
 
+    /// Its lowest y and its highest, and what may be rounded.
+    #[inline]
+    pub(super) fn rows(&self) -> [f64; 2] {
+        [self.reach[1] - self.doubt, self.reach[3] + self.doubt]
+    }
+
     /// Whether it is certain that no line meets the inside of both: by their extents, or by a corner or an edge that they
     /// share.
     #[inline]
@@ -110,13 +113,11 @@ impl Flat {
         let (a, b) = (&self.reach, &other.reach);
         let doubt = most(self.doubt, other.doubt);
         let beside = |k: usize| a[k] > b[k + 2] + doubt || b[k] > a[k + 2] + doubt;
-        let same_sense =
-            self.area > doubt && other.area > doubt || self.area < -doubt && other.area < -doubt;
-        if !same_sense {
-            return false;
-        }
         if beside(0) || beside(1) {
             return true;
+        }
+        if self.area * other.area < 0.0 {
+            return false;
         }
         // Bit 3 i + j: corner i here is corner j there. Without branches, which would go either way.
         let mut common = 0;
@@ -125,15 +126,15 @@ impl Flat {
                 common |= u32::from(self.ids[i] == other.ids[j]) << (3 * i + j);
             }
         }
-        match common.count_ones() {
-            1 => {
-                let at = common.trailing_zeros() as usize;
-                self.beside_at(at / 3, other, at % 3, doubt)
-            }
-            // Along a common edge they run the other way round.
-            2 => RUN_BACK.contains(&common),
-            _ => false,
+        if common == 0 {
+            return false;
         }
+        if common & (common - 1) != 0 {
+            // Along a common edge they run the other way round.
+            return RUN_BACK.contains(&common);
+        }
+        let at = common.trailing_zeros() as usize;
+        self.beside_at(at / 3, other, at % 3, doubt)
     }
 
     /// Whether an edge at the common corner, i here and j there, separates the two.

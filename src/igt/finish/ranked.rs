@@ -2,12 +2,12 @@
 //!
 //! In: a texel and its triangles. Out: [`Ranked`], a workspace that is used again for every texel: nothing is asked of the
 //! allocator. Shares are estimated, and pairs looked at in the plane of the texel ([`flat`](super::flat)); what cannot be
-//! told there, and lists about an axis, across octants or over [`flat::MOST`], is worked out ([`weigh`], [`sides`]). The
+//! told there, and lists about an axis, across octants or very long ones, is worked out ([`weigh`], [`sides`]). The
 //! answers are the same.
 
 use super::super::Reference;
 use super::estimate::{CLOSE, Frame};
-use super::flat::{self, Flat};
+use super::flat::Flat;
 use super::sides::{self, Piece};
 use super::weigh::{self, Corners};
 use crate::param::projection::Line;
@@ -16,6 +16,10 @@ use crate::param::projection::Line;
 const FULLY: f64 = 1.0 - 1e-6;
 /// Longer lists are not looked at pair by pair: they count as overlapping.
 const MOST_PAIRED: usize = 64;
+/// The shares of longer lists are worked out: estimates of that many would not tell whether they cover the texel.
+const ESTIMATED: usize = 16;
+/// Pairs of so few triangles are all looked at.
+const FEW: usize = 6;
 
 /// A triangle and the share of the texel that it covers.
 #[derive(Clone, Copy)]
@@ -41,7 +45,7 @@ pub(super) struct Ranked<'a> {
     texel: [u32; 3],
     order: Vec<Rank>,
     /// The triangles in texels, by place; only where `is_flat`.
-    flat: [Flat; flat::MOST],
+    flat: [Flat; MOST_PAIRED],
     is_flat: bool,
     /// The triangles' pieces, by place; made when they are first asked for.
     pieces: Vec<Piece>,
@@ -56,7 +60,7 @@ impl<'a> Ranked<'a> {
             line: reference.primary.line(),
             texel: [0; 3],
             order: Vec::new(),
-            flat: [Flat::default(); flat::MOST],
+            flat: [Flat::default(); MOST_PAIRED],
             is_flat: false,
             pieces: Vec::new(),
             exact: false,
@@ -74,8 +78,8 @@ impl<'a> Ranked<'a> {
                 triangle,
                 place: place as u32,
             }));
-        self.is_flat = own.len() <= flat::MOST && self.flatten(own);
-        self.exact = !self.is_flat;
+        self.is_flat = own.len() <= MOST_PAIRED && self.flatten(own);
+        self.exact = !self.is_flat || own.len() > ESTIMATED;
         if self.exact {
             self.work_out();
         } else {
@@ -147,7 +151,7 @@ impl<'a> Ranked<'a> {
 
     fn sort(&mut self) {
         let order = self.order.as_mut_slice();
-        if order.len() > flat::MOST {
+        if order.len() > ESTIMATED {
             order.sort_unstable_by(|a, b| {
                 let by_share = b.share.total_cmp(&a.share);
                 by_share.then(a.triangle.cmp(&b.triangle))
@@ -201,7 +205,31 @@ impl<'a> Ranked<'a> {
     /// Whether no two triangles of a layer have a line in common.
     pub(super) fn is_single(&mut self) -> bool {
         let count = self.order.len();
+        if self.is_flat && count > FEW {
+            return self.is_single_by_rows();
+        }
         count <= MOST_PAIRED && (1..count).all(|i| (0..i).all(|j| self.apart(i, j)))
+    }
+
+    /// The same, by ascending rows: what begins above a triangle need not be compared with it.
+    fn is_single_by_rows(&mut self) -> bool {
+        let mut rows = [([0.0; 2], 0); MOST_PAIRED];
+        let count = self.order.len();
+        for i in 0..count {
+            let one = (self.flat[self.order[i].place as usize].rows(), i);
+            let mut at = i;
+            while at > 0 && one.0[0] < rows[at - 1].0[0] {
+                rows[at] = rows[at - 1];
+                at -= 1;
+            }
+            rows[at] = one;
+        }
+        (1..count).all(|k| {
+            let ([low, _], i) = rows[k];
+            rows[..k]
+                .iter()
+                .all(|([_, high], j)| *high < low || self.apart(i, *j))
+        })
     }
 
     /// Whether two triangles in order have different layers or no line in common.

@@ -43,7 +43,7 @@ pub const ADDRESSES: u64 = 1 << ADDRESS_BITS;
 const PAYLOAD_AT: u32 = 4;
 const PAYLOAD_BITS: u32 = 60;
 /// Bit 127: no block follows.
-const LAST: u32 = 1 << 31;
+pub(in crate::igt) const LAST: u32 = 1 << 31;
 
 /// A hash texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
