@@ -179,14 +179,13 @@ fn twenty_million_triangles() {
     let on_cpu = start.elapsed().as_secs_f64();
     tables.validate(reference.triangles.len()).unwrap();
     let of_cpu = peak_bytes();
-    let points = points(1 << 18, 1 << 29);
+    // The domain has a margin of three in a hundred around the sheet.
+    let points = points(1 << 18, (1 << 29) / 100 * 96);
     let answers: Vec<_> = points
         .iter()
         .map(|q| tables.lookup_with_cost(*q, Some(0), false))
         .collect();
-    // The sheet fills the domain but for its rim.
-    let found = answers.iter().filter(|(found, _)| found.is_some()).count();
-    assert!(found * 100 > points.len() * 99, "{found}");
+    assert!(answers.iter().all(|(found, _)| found.is_some()));
     let (bytes, sha256) = (tables.bytes(), tables.sha256());
     for context in contexts() {
         let info = context.info();
