@@ -1,0 +1,130 @@
+//! Makes the pictures of the documentation from the bundled model: `cargo run --release --example pictures`.
+//!
+//! In: `assets/amphora.glb`. Out: `assets/attributes.png`, `assets/solids.png` and `assets/bake.png`, the same bytes on every
+//! machine, as everything is drawn by the processor's deferred path.
+
+use image::{Rgba, RgbaImage, imageops};
+use invertex::asset::{BuildSettings, Built, Processor, build};
+use invertex::attribute::{Shown, ShownOptions, attributes_showing};
+use invertex::recover::{BakeSettings, Baker, Over};
+use invertex::render::{
+    Camera, Correspond, Options, Output, Projection, Renderer, stage_with, subjects,
+};
+use invertex::scene::Scene;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+/// Sides of one picture.
+const WIDTH: u32 = 200;
+const HEIGHT: u32 = 260;
+/// The level that is drawn: a tenth of the reference's triangles.
+const LEVEL: usize = 3;
+
+type Done<T> = Result<T, Box<dyn Error>>;
+
+fn main() -> Done<()> {
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let scene = Scene::load(&assets.join("amphora.glb"))?;
+    let built = build(scene, &BuildSettings::default(), Processor::Cpu, &())?.built;
+    let row = |file: &str, attributes: &[&str]| -> Done<()> {
+        let drawn = attributes.iter().map(|a| panel(&built, a, LEVEL));
+        save(&assets.join(file), &drawn.collect::<Done<Vec<_>>>()?)
+    };
+    row(
+        "attributes.png",
+        &[
+            "occlusion",
+            "normal",
+            "metallic-roughness",
+            "triangle-color",
+        ],
+    )?;
+    row(
+        "solids.png",
+        &[
+            "wood*occlusion",
+            "marble*occlusion",
+            "cellular",
+            "checker3d",
+        ],
+    )?;
+    let mut panels = vec![panel(&built, "base-color", LEVEL)?];
+    panels.extend(textures(&built)?);
+    save(&assets.join("bake.png"), &panels)
+}
+
+/// The amphora's LoD showing an attribute, as it is or lit.
+fn panel(built: &Built, attribute: &str, level: usize) -> Done<RgbaImage> {
+    let scene = &built.scene;
+    let shown = Shown::new(
+        scene,
+        &attribute.parse()?,
+        &ShownOptions::default(),
+        &|_, _| (),
+    )?;
+    let (attributes, _) = attributes_showing(scene, true, &shown)?;
+    let data = attributes.is_data();
+    let subjects = subjects(built, level);
+    let picture = stage_with(
+        attributes,
+        scene,
+        &subjects,
+        Correspond::Inverse,
+        &scene.rest(),
+    )?;
+    let (centre, radius) = picture.bounding_sphere();
+    let camera = Camera::framed(
+        centre,
+        radius * 0.8,
+        25.0,
+        18.0,
+        Projection::Perspective,
+        WIDTH,
+        HEIGHT,
+    )?;
+    let options = Options {
+        output: if data { Output::Data } else { Output::Lit },
+        samples: 4,
+        ..Options::default()
+    };
+    let image = Renderer::cpu(picture).draw(&camera, &options)?;
+    RgbaImage::from_raw(WIDTH, HEIGHT, image.rgba8)
+        .ok_or_else(|| "a picture of another size".into())
+}
+
+/// Colour, normals and occlusion of the LoD as textures, made small.
+fn textures(built: &Built) -> Done<Vec<RgbaImage>> {
+    let settings = BakeSettings {
+        over: Over::Lod(LEVEL),
+        attributes: vec!["color".parse()?, "normal".parse()?, "occlusion".parse()?],
+        size: WIDTH * 2,
+        ..BakeSettings::default()
+    };
+    let baked = Baker::new(built, &settings, &())?.mesh(0, &())?;
+    let small = |rgba8: Vec<u8>| {
+        let image = RgbaImage::from_raw(WIDTH * 2, WIDTH * 2, rgba8);
+        let image = image.ok_or("a texture of another size")?;
+        Ok(imageops::thumbnail(&image, WIDTH, WIDTH))
+    };
+    baked.textures.into_iter().map(|t| small(t.rgba8)).collect()
+}
+
+/// Pictures side by side on light grey.
+fn save(path: &PathBuf, panels: &[RgbaImage]) -> Done<()> {
+    let gap = 8;
+    let width = panels.len() as u32 * (WIDTH + gap) - gap;
+    let mut row = RgbaImage::from_pixel(width, HEIGHT, Rgba([232, 232, 232, 255]));
+    for (k, panel) in panels.iter().enumerate() {
+        let top = (HEIGHT - panel.height()) / 2;
+        imageops::overlay(
+            &mut row,
+            panel,
+            (k as u32 * (WIDTH + gap)).into(),
+            top.into(),
+        );
+    }
+    let bytes = invertex::output::encode_png(width, HEIGHT, row.as_raw())?;
+    invertex::output::write_bytes(path, &bytes)?;
+    println!("{}", path.display());
+    Ok(())
+}
