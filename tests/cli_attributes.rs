@@ -182,6 +182,20 @@ fn solids_move_and_volumes_are_read_from_a_strip_or_a_folder() {
     assert_eq!((images.len(), of(1, "time")), (3, 2.0.into()));
     assert_ne!(of(0, "sha256"), of(1, "sha256"));
     assert_eq!(of(0, "sha256"), of(2, "sha256"), "four seconds are a round");
+    invertex(
+        &[
+            &base[..],
+            &[
+                &folder.at("a.png"),
+                "--attribute",
+                "wood",
+                "--animation",
+                "walk",
+            ],
+        ]
+        .concat(),
+    )
+    .fails(3, &["no animations"]);
     let strip = painted::strip();
     let file = folder.write("v.png", &strip);
     let slices = folder.path().join("slices");

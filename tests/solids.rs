@@ -6,11 +6,10 @@ mod render;
 
 #[cfg(feature = "compile-shaders")]
 use invertex::asset::Built;
-#[cfg(feature = "compile-shaders")]
 use invertex::attribute::{Shown, ShownOptions, attributes_showing};
-use invertex::render::{Camera, Options, Projection, Rendered};
+use invertex::render::{Camera, Correspond, Options, Projection, Rendered, stage_with};
 #[cfg(feature = "compile-shaders")]
-use invertex::render::{Correspond, Picture, Renderer, stage_with, subjects};
+use invertex::render::{Picture, Renderer, subjects};
 use invertex::scene::Scene;
 use painted::pictures::*;
 
@@ -96,6 +95,23 @@ fn solids_have_the_same_bytes_at_shared_points_of_all_levels() {
             "{solid} moves"
         );
     }
+}
+
+#[test]
+fn a_solid_that_is_told_to_stand_still_does() {
+    let sheet = Scene::from_bytes("sheet.glb", &painted::sheet(8), None).unwrap();
+    let view = Camera::framed([0.0; 3], 1.2, 0.0, 0.0, Projection::Orthographic, 48, 48).unwrap();
+    let at = |still: bool, time: f32| {
+        let options = ShownOptions { still, ..options() };
+        let shown = Shown::new(&sheet, &"marble".parse().unwrap(), &options, &|_, _| ()).unwrap();
+        let (attributes, _) = attributes_showing(&sheet, false, &shown).unwrap();
+        let reference = Correspond::Reference;
+        let picture = stage_with(attributes, &sheet, &[], reference, &sheet.rest()).unwrap();
+        drawn(picture, &view, &Options { time, ..raw() }).rgba8
+    };
+    assert_eq!(at(true, 0.0), at(true, 1.0));
+    assert_eq!(at(true, 0.0), at(false, 0.0));
+    assert_ne!(at(false, 0.0), at(false, 1.0));
 }
 
 /// A function that says where it is asked.

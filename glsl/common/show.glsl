@@ -15,6 +15,7 @@ const uint IGT_FACTORS_AT = 56u;
 const uint IGT_FACTOR_WORDS = 2u;
 const uint IGT_KEEP = 0x100u;
 const uint IGT_FLAT = 0x800u;
+const uint IGT_STILL = 0x100u;
 
 const uint IGT_BASE_COLOR = 1u;
 const uint IGT_NORMAL_MAP = 2u;
@@ -103,7 +104,7 @@ vec3 igt_solid_factor(uvec2 factor, uvec4 corner, vec3 b, float time) {
     uint at = factor.x >> 16;
     vec3 place = igt_place(corner, at, b);
     switch (factor.x & 0xffu) {
-        case IGT_SOLID_TEXTURE: return igt_solid(factor.y, place, time);
+        case IGT_SOLID_TEXTURE: return igt_solid(factor.y & 0xffu, place, (factor.y & IGT_STILL) != 0u ? 0.0 : time);
         case IGT_VOLUME: return igt_volume(factor.y, place);
 #ifdef IGT_PROCEDURAL
         case IGT_FUNCTION: return igt_procedural(place, igt_unit3(igt_weighted3(corner, at + 3u, b), vec3(0.0, 0.0, 1.0)), time);

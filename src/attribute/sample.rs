@@ -49,7 +49,7 @@ impl TextureSet {
         let [x, y] = [at.dx, at.dy].map(|d| squared_texels(record, d));
         let (longer, shorter) = (x.max(y), x.min(y).max(1.0));
         let reached = |k: &u32| longer > shorter * (k * k) as i32 as f32;
-        let count = (1..most).filter(reached).next_back().unwrap_or(0) + 1;
+        let count = (1..most).rfind(reached).unwrap_or(0) + 1;
         let n = count as i32 as f32;
         let along = if x >= y { at.dx } else { at.dy }.map(|c| c / n);
         let (dx, dy) = if x >= y {

@@ -32,6 +32,8 @@ pub(crate) const VOLUME: u32 = 12;
 pub(crate) const FUNCTION: u32 = 13;
 const KIND_MASK: u32 = 0xff;
 const FLAT: u32 = 0x800;
+/// Added to the second word of a solid texture that does not move.
+pub(super) const STILL: u32 = 0x100;
 
 /// The first word of a factor: its kind; for numbers of vertices how many (1 to 4), whether only the first corner's count,
 /// and where in a vertex's words they begin.
@@ -113,7 +115,10 @@ impl AttributeSet {
             TRIANGLE_COLOR => id_color(at.triangle),
             MATERIAL => id_color(corner[3]),
             PART => id_color(self.float(corner[0] + first) as i32 as u32),
-            SOLID => solid::color(more, self.place(corner, first, b), at.time),
+            SOLID => {
+                let time = if more & STILL != 0 { 0.0 } else { at.time };
+                solid::color(more & KIND_MASK, self.place(corner, first, b), time)
+            }
             VOLUME => self.volume(at.decode, more, self.place(corner, first, b)),
             _ => [0.0; 3],
         }

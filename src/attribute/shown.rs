@@ -51,6 +51,8 @@ pub struct ShownOptions {
     pub occlusion: OcclusionOptions,
     /// How many times as fine solid textures and volumes are.
     pub scale: f32,
+    /// Whether solid textures stand still whatever the time.
+    pub still: bool,
     /// What [`Factor::Volume`] is.
     pub volume: Option<Volume>,
     /// What [`Factor::Procedural`] is.
@@ -62,6 +64,7 @@ impl Default for ShownOptions {
         ShownOptions {
             occlusion: OcclusionOptions::default(),
             scale: 1.0,
+            still: false,
             volume: None,
             procedural: None,
         }
@@ -97,7 +100,7 @@ impl Shown {
             check_options(factor, options)?;
             let column = column(scene, factor, options, progress)?;
             let more = match factor {
-                Factor::Solid(solid) => *solid as u32,
+                Factor::Solid(solid) => *solid as u32 | (u32::from(options.still) * show::STILL),
                 _ => 0,
             };
             factors.push([word(factor, column.as_ref(), first + width), more]);

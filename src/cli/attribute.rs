@@ -95,6 +95,7 @@ impl Computed {
                 reach: self.occlusion_reach.unwrap_or(usual.reach),
             },
             scale: self.solid_scale.unwrap_or(1.0),
+            still: false,
             volume: self.volume.as_deref().map(Volume::load).transpose()?,
             procedural: None,
         })
@@ -128,7 +129,8 @@ impl Showing {
         }
     }
 
-    /// `attribute` made ready for `scene`, with a bar where it takes long.
+    /// `attribute` made ready for `scene`, with a bar where it takes long. `animated`: whether time is an animation's; solid
+    /// textures then stand still.
     ///
     /// # Errors
     /// Those of [`Shown::new`].
@@ -136,6 +138,7 @@ impl Showing {
         &self,
         attribute: Option<&Attribute>,
         scene: &Scene,
+        animated: bool,
         common: &Common,
     ) -> Result<Option<Shown>> {
         let Some(attribute) = attribute else {
@@ -147,6 +150,7 @@ impl Showing {
                 .as_deref()
                 .map(Procedural::load)
                 .transpose()?,
+            still: animated,
             ..self.computed.options()?
         };
         let bar = Bar::new(common, 1);

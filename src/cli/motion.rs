@@ -20,8 +20,8 @@ pub(super) struct Motion {
     /// Pose the model by this animation: its name, or its index.
     #[arg(long, value_name = "NAME", help_heading = "Motion")]
     animation: Option<String>,
-    /// Seconds into the animation, and of an attribute that varies with time (default 0), or A..B for a sequence from A to B.
-    /// After its last keyframe an animation begins again.
+    /// Seconds into the animation (default 0), or A..B for a sequence from A to B. After its last keyframe an animation
+    /// begins again. Without one: seconds of an attribute that varies with time.
     #[arg(
         long,
         value_name = "T|A..B",

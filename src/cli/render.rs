@@ -134,9 +134,12 @@ impl Render {
             None => drawing::reference_sphere(&model)?,
         };
         let device = Device::open(common)?;
-        let shown = self
-            .showing
-            .shown(attribute.as_ref(), model.scene(), common)?;
+        let shown = self.showing.shown(
+            attribute.as_ref(),
+            model.scene(),
+            animation.is_some(),
+            common,
+        )?;
         let mut stages = Stages {
             render: self,
             shown: shown.as_ref(),
