@@ -32,7 +32,7 @@
 //! ```
 //!
 //! The modules are listed in the order data flows: [`scene`] reads glTF, [`mesh`] holds it, [`param`] and [`lod`] prepare
-//! it, [`igt`] builds the tables, [`asset`] writes and reads the result, [`render`] draws it. The feature `gpu` adds
+//! it, [`igt`] builds the tables, [`asset`] writes and reads the result, [`render`] draws it, [`recover`] bakes it. The feature `gpu` adds
 //! Vulkan; without it the CPU reference does everything, and gives the same bytes.
 
 pub mod asset;

@@ -12,7 +12,7 @@ use invertex::render::{
 };
 use invertex::scene::Scene;
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Sides of one picture.
 const WIDTH: u32 = 200;
@@ -110,7 +110,7 @@ fn textures(built: &Built) -> Done<Vec<RgbaImage>> {
 }
 
 /// Pictures side by side on light grey.
-fn save(path: &PathBuf, panels: &[RgbaImage]) -> Done<()> {
+fn save(path: &Path, panels: &[RgbaImage]) -> Done<()> {
     let gap = 8;
     let width = panels.len() as u32 * (WIDTH + gap) - gap;
     let mut row = RgbaImage::from_pixel(width, HEIGHT, Rgba([232, 232, 232, 255]));
