@@ -196,8 +196,40 @@ impl Rests {
     }
 }
 
-/// More than the entries of a block: they have seven bits at least.
-const SLOTS: usize = 19;
+/// The entries of a block, all at once: each stands below its mask's bits, which take up a carry.
+struct Fields {
+    count: u32,
+    /// All bits of the entries; bit 0 of each; the bit above each.
+    entries: u128,
+    ones: u128,
+    above: u128,
+    /// What carries into the bit above an entry that is not less than the limit.
+    beyond: u128,
+}
+
+impl Fields {
+    fn new(bits: u32, count: u32, limit: u128) -> Self {
+        let stride = bits + packed::MASK_BITS;
+        let each = |field: u128| (0..count).fold(0, |all, k| all | field << (k * stride));
+        let end = 1u128 << bits;
+        Fields {
+            count,
+            entries: each(end - 1),
+            ones: each(1),
+            above: each(end),
+            beyond: each(end.saturating_sub(limit)),
+        }
+    }
+
+    /// Whether it is certain that every entry is less than the limit, or an end mark: all ones.
+    #[inline]
+    fn surely_fit(&self, window: u128) -> bool {
+        let entries = window & self.entries;
+        let lost = entries.wrapping_add(self.beyond) & self.above;
+        let ends = entries.wrapping_add(self.ones) & self.above;
+        lost == ends
+    }
+}
 
 /// What has been seen of some entries.
 #[derive(Default)]
@@ -223,8 +255,9 @@ struct Lists<'a> {
     triangles: u32,
     /// Of an entry.
     bits: u32,
-    /// Word and bit at which each entry of a block begins.
-    slots: [[u32; 2]; SLOTS],
+    /// The entries of a half block and of a full one.
+    half: Fields,
+    full: Fields,
     /// Of an entry's layer.
     layer_bits: u32,
     /// Whether lists of this kind can be.
@@ -234,16 +267,16 @@ struct Lists<'a> {
 impl<'a> Lists<'a> {
     fn new(list: &'a [u32], format: Format, mixed: bool, triangles: usize) -> Self {
         let bits = format.entry_bits(mixed);
+        let layer_bits = if mixed { format.layer_bits } else { 0 };
+        let limit = (triangles as u128) << layer_bits;
         Lists {
             list,
             // Numbers have up to 31 bits: more triangles than that have all of them.
             triangles: triangles.min(u32::MAX as usize) as u32,
             bits,
-            slots: std::array::from_fn(|k| {
-                let at = k as u32 * (bits + packed::MASK_BITS);
-                [at / 32, at % 32]
-            }),
-            layer_bits: if mixed { format.layer_bits } else { 0 },
+            half: Fields::new(bits, packed::in_half(bits), limit),
+            full: Fields::new(bits, packed::in_full(bits), limit),
+            layer_bits,
             exist: !mixed || format.layer_bits > 0,
         }
     }
@@ -260,23 +293,29 @@ impl<'a> Lists<'a> {
         !seen.lost
     }
 
-    /// Whether the first `count` entries of a block do.
+    /// Whether the entries of a block do, up to its end mark.
     #[inline]
-    fn block_of_fits(&self, words: [u32; 5], count: u32) -> bool {
+    fn block_of_fits(&self, window: u128, fields: &Fields) -> bool {
+        fields.surely_fit(window) || self.fits_to_its_end(window, fields.count)
+    }
+
+    #[cold]
+    fn fits_to_its_end(&self, mut window: u128, count: u32) -> bool {
         let mut seen = Seen::default();
-        for [word, bit] in &self.slots[..count as usize] {
-            let (low, high) = (words[*word as usize], words[*word as usize + 1]);
-            let two = u64::from(low) | u64::from(high) << 32;
-            seen.entry(self, (two >> bit) as u32);
+        for _ in 0..count {
+            seen.entry(self, window as u32);
+            window >>= self.bits + packed::MASK_BITS;
         }
         !seen.lost
     }
 
+    #[inline]
     fn half_fits(&self, unit: usize) -> bool {
         let words = self.list.get(2 * unit..2 * unit + 2);
         self.exist
             && words.is_some_and(|w| {
-                self.block_of_fits([w[0], w[1], 0, 0, 0], packed::in_half(self.bits))
+                let window = u64::from(w[0]) | u64::from(w[1]) << 32;
+                self.block_of_fits(window.into(), &self.half)
             })
     }
 
@@ -285,10 +324,13 @@ impl<'a> Lists<'a> {
     fn block_fits(&self, block: usize) -> (bool, bool) {
         match self.list.get(4 * block..4 * block + 4) {
             Some(w) if self.exist => {
-                // Bit 127 is no part of an entry.
-                let words = [w[0], w[1], w[2], w[3] & !packed::LAST, 0];
-                let fits = self.block_of_fits(words, packed::in_full(self.bits));
-                (fits, w[3] & packed::LAST != 0)
+                let two = |i: usize| u64::from(w[i]) | u64::from(w[i + 1]) << 32;
+                let window = u128::from(two(0)) | u128::from(two(2)) << 64;
+                // Bit 127 is no part of an entry, and of no mask that a carry reaches.
+                (
+                    self.block_of_fits(window, &self.full),
+                    w[3] & packed::LAST != 0,
+                )
             }
             _ => (false, true),
         }
