@@ -131,6 +131,43 @@ fn every_device_draws_the_bytes_that_the_cpu_draws() {
 }
 
 #[test]
+fn a_picture_too_large_for_a_buffer_is_drawn_in_bands_without_a_seam() {
+    let ball = tangents(shapes::icosphere(3));
+    let picture = || picture(&[(&ball, DMat4::IDENTITY)]);
+    // 192 MB of a device's 128.
+    let view = camera(&picture(), 30.0, 20.0, 4096, 2048);
+    let options = Options {
+        output: Output::Normals,
+        ..Options::default()
+    };
+    let cpu = Renderer::cpu(picture()).draw(&view, &options).unwrap();
+    for x in (0..4096).step_by(61) {
+        let column: Vec<usize> = (0..2048)
+            .filter(|y| cpu.triangle[y * 4096 + x] != u32::MAX)
+            .collect();
+        if let (Some(first), Some(last)) = (column.first(), column.last()) {
+            assert_eq!(last - first + 1, column.len(), "column {x} has a hole");
+        }
+    }
+    for context in contexts() {
+        let device = Renderer::on(&context, picture()).unwrap();
+        let got = device.draw(&view, &options).unwrap();
+        assert_eq!(differences(&cpu, &got), [0; 6], "{}", context.info().name);
+    }
+    // A picture of one band says the same as the first band's part of a larger one, up to a step of the pixel grid.
+    let whole = camera(&picture(), 30.0, 20.0, 2048, 2048);
+    let fine = Options {
+        samples: 4,
+        ..options
+    };
+    let small = Renderer::cpu(picture()).draw(&whole, &options).unwrap();
+    let resolved = Renderer::cpu(picture()).draw(&whole, &fine).unwrap();
+    let apart = small.triangle.iter().zip(&resolved.triangle);
+    let apart = apart.filter(|(a, b)| a != b).count();
+    assert!(apart < small.triangle.len() / 100, "{apart}");
+}
+
+#[test]
 fn the_comparison_sees_one_changed_bit_and_one_moved_vertex() {
     let (name, picture, camera) = references().remove(0);
     let options = Options::default();

@@ -125,12 +125,17 @@ impl Camera {
 
     /// World space to (x, y, depth, 1) * w with x and y in pixels; rows, rounded to `f32`.
     pub(crate) fn pixel_rows(&self) -> [[f32; 4]; 4] {
+        self.pixel_rows_from(0)
+    }
+
+    /// Likewise, y counted from row `top` on.
+    pub(crate) fn pixel_rows_from(&self, top: u32) -> [[f32; 4]; 4] {
         let (w, h) = (f64::from(self.width) / 2.0, f64::from(self.height) / 2.0);
         let viewport = DMat4::from_cols(
             DVec4::new(w, 0.0, 0.0, 0.0),
             DVec4::new(0.0, h, 0.0, 0.0),
             DVec4::Z,
-            DVec4::new(w, h, 0.0, 1.0),
+            DVec4::new(w, h - f64::from(top), 0.0, 1.0),
         );
         let m = viewport * self.projection * self.view;
         [0, 1, 2, 3].map(|row| m.row(row).as_vec4().to_array())

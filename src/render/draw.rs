@@ -102,6 +102,15 @@ impl Default for Light {
 }
 
 impl ViewConstants {
+    /// The view of `height` rows of `camera`'s picture from row `top` on.
+    pub(crate) fn band(self, camera: &Camera, top: u32, height: u32) -> Self {
+        ViewConstants {
+            rows: camera.pixel_rows_from(top),
+            height,
+            ..self
+        }
+    }
+
     /// How a pixel gathers the reference.
     pub(crate) fn filter(&self) -> super::filter::Filter {
         super::filter::Filter::from_code(self.flags >> super::shade::FILTER_SHIFT & 3)

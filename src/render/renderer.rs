@@ -22,6 +22,9 @@ use crate::attribute::AttributeSet;
 use crate::gpu;
 use crate::scene::{Pose, Scene};
 
+/// Pixels drawn at once: their largest buffer is 96 MiB, within the 128 that every device gives.
+const BAND_PIXELS: u32 = 1 << 22;
+
 /// What is written into the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Output {
@@ -96,7 +99,7 @@ pub struct Rendered {
     pub covered_pixels: u64,
     /// Mean fetches over covered pixels.
     pub mean_fetches: f64,
-    /// Duration of each pass in nanoseconds (of the first sample).
+    /// Duration of each pass in nanoseconds, all bands of a large picture together.
     pub passes: Vec<(String, u64)>,
 }
 
@@ -200,7 +203,7 @@ impl Renderer {
         let factor = resolve::factor(options.samples)?;
         let fine = camera.scaled(factor)?;
         let view = ViewConstants::new(&fine, &options.light, flags(options), options.time);
-        let (pixels, passes) = self.pixels(&view)?;
+        let (pixels, passes) = self.bands(&fine, &view, factor)?;
         let coded = matches!(
             options.output,
             Output::Normals | Output::Fetches | Output::Data
@@ -213,6 +216,34 @@ impl Renderer {
         let mut out = assemble(camera, pixels);
         out.passes = passes;
         Ok(out)
+    }
+
+    /// A picture of more than [`BAND_PIXELS`] in bands of whole rows, `multiple` at a time. The bands depend on nothing but the
+    /// size, so that a picture has the same bytes on devices of any size.
+    fn bands(
+        &self,
+        camera: &Camera,
+        view: &ViewConstants,
+        multiple: u32,
+    ) -> Result<(Vec<Pixel>, Vec<(String, u64)>)> {
+        let rows = (BAND_PIXELS / camera.width / multiple).max(1) * multiple;
+        if rows >= camera.height {
+            return self.pixels(view);
+        }
+        let mut all = Vec::with_capacity(camera.width as usize * camera.height as usize);
+        let mut times: Vec<(String, u64)> = Vec::new();
+        for top in (0..camera.height).step_by(rows as usize) {
+            let band = view.band(camera, top, rows.min(camera.height - top));
+            let (pixels, passes) = self.pixels(&band)?;
+            all.extend(pixels);
+            for (k, (name, time)) in passes.into_iter().enumerate() {
+                match times.get_mut(k) {
+                    Some((_, sum)) => *sum += time,
+                    None => times.push((name, time)),
+                }
+            }
+        }
+        Ok((all, times))
     }
 
     pub(super) fn pixels(&self, view: &ViewConstants) -> Result<(Vec<Pixel>, Vec<(String, u64)>)> {
