@@ -79,7 +79,7 @@ impl Sources {
         Ok(Sources {
             arrays: arrays.clone(),
             shading: function::variant(&picture.attributes, fragment, path)?,
-            known: Known::of(picture),
+            known: Known::of(picture).in_fragments(),
             textures: context.upload("texture classes", &records)?,
             classes,
         })

@@ -46,6 +46,17 @@ impl Known {
         }
     }
 
+    /// The same for a fragment shader, which is not told that every draw is looked up. Told that, and that all lines are a
+    /// cylinder's, llvmpipe (Mesa 22.3) makes code that takes every triangle for hit, at its first corner; the compute
+    /// shader with the same lookup is right, and so is every other driver. Told either alone, it is right.
+    pub(crate) fn in_fragments(self) -> Self {
+        let some_are_not = u32::from(self.correspondence == 2);
+        Known {
+            correspondence: self.correspondence | some_are_not,
+            ..self
+        }
+    }
+
     /// `shading` for a filter, made for what is known.
     pub(crate) fn variant(&self, filter: Filter, shading: &Variant) -> Variant {
         Variant {
