@@ -1,6 +1,7 @@
 //! Animated models: the posed reference is what glTF says; a point of a LoD asks for the same point of the reference in
 //! every pose, and the LoD bends where the reference does.
 
+mod glb;
 mod moving;
 mod render;
 

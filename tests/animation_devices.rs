@@ -3,6 +3,7 @@
 
 #![cfg(feature = "gpu")]
 
+mod glb;
 mod moving;
 mod render;
 

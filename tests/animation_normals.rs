@@ -1,5 +1,6 @@
 //! Normals of the reference on LoDs in motion: they turn with the LoD, mirrors and nodes without skin included.
 
+mod glb;
 mod moving;
 
 use invertex::render::{Camera, Correspond, Options, Output, Rendered, Renderer, stage_posed};

@@ -1,6 +1,7 @@
 //! Attributes in place of base colour: the same bits on every processor, the value of the reference's own point whatever
 //! level is drawn, and clear words about what is not there.
 
+mod glb;
 mod painted;
 #[cfg(feature = "gpu")]
 mod render;

@@ -2,6 +2,7 @@
 #![cfg(feature = "cli")]
 
 mod cli_support;
+mod glb;
 mod painted;
 
 use cli_support::{Folder, invertex};

@@ -2,6 +2,7 @@
 //! written. Each check has its twin that succeeds, so none passes because everything fails.
 
 mod cli_support;
+mod glb;
 
 use cli_support::{Ball, Folder, built_ball, command, invertex, run};
 

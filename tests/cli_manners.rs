@@ -1,6 +1,7 @@
 //! Manners of the real binary: help that shows examples, completions, a manual, and silence when nobody listens.
 
 mod cli_support;
+mod glb;
 
 use cli_support::{Ball, Folder, command, invertex, run};
 

@@ -1,6 +1,7 @@
 //! Moving pictures, through the real binary: animations, turntables and sequences, and what cannot be had.
 
 mod cli_support;
+mod glb;
 mod moving;
 
 use cli_support::{Ball, Folder, invertex};

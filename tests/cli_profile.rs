@@ -1,6 +1,7 @@
 //! `profile` through the real binary: the fields that others rely on, which meshes are drawn, and what is refused.
 
 mod cli_support;
+mod glb;
 
 use cli_support::{Ball, Folder, built_ball, invertex};
 use serde_json::Value;

@@ -2,6 +2,7 @@
 //! that repeat.
 
 mod cli_support;
+mod glb;
 
 use cli_support::{Ball, Folder, command, invertex, run};
 use serde_json::Value;

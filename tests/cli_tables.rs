@@ -1,6 +1,7 @@
 //! Ambiguous triangles and mapped tables, through the real binary.
 
 mod cli_support;
+mod glb;
 
 use cli_support::{Ball, Folder, invertex};
 

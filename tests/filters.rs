@@ -2,6 +2,7 @@
 //! shimmers; and what the filters cost.
 
 mod cli_support;
+mod glb;
 
 use cli_support::{Folder, invertex};
 use invertex::asset::{Built, Model};

@@ -2,6 +2,7 @@
 //! anything took.
 
 mod cli_support;
+mod glb;
 
 use cli_support::{Ball, Folder, invertex};
 use invertex::asset::{Built, Model, Processor};

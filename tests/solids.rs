@@ -1,5 +1,6 @@
 //! Solid textures: one pattern in object space, whatever level it is seen on, and functions of the user's.
 
+mod glb;
 mod painted;
 #[cfg(feature = "compile-shaders")]
 mod render;

@@ -258,7 +258,7 @@ impl Bake {
                 places: own.map(|i| i.world.as_mat4().to_cols_array_2d()).collect(),
             }));
         }
-        report.file(&self.output.join("baked.glb"), &encode_glb(&meshes))
+        report.file(&self.output.join("baked.glb"), &encode_glb(&meshes)?)
     }
 
     /// The first texture for each place of a material.

@@ -159,7 +159,13 @@ impl Render {
         }
         drop(bar);
         device.check();
-        let warnings = stages.warnings;
+        let mut warnings = stages.warnings;
+        let looked_up = !matches!(self.mode, Mode::Reference | Mode::Plain);
+        if self.filter != FilterChoice::Nearest && !looked_up {
+            let text =
+                "--filter changes nothing here: this mode looks no point up; --samples 4 does";
+            warnings.push(text.into());
+        }
         warnings.iter().for_each(|warning| note(common, warning));
         let report = Report {
             file: self.file.display().to_string(),

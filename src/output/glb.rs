@@ -3,7 +3,9 @@
 //! In: meshes with texture coordinates, the textures of each as PNG. Out: the file's bytes: positions, normals, tangents,
 //! TEXCOORD_0 and a metallic-roughness material.
 
+use crate::Result;
 use crate::mesh::Mesh;
+use crate::scene::to_glb;
 use serde_json::{Value, json};
 
 /// A mesh and what its material is made of.
@@ -46,7 +48,10 @@ struct Parts {
 }
 
 /// The meshes as GLB.
-pub fn encode_glb(meshes: &[TexturedMesh]) -> Vec<u8> {
+///
+/// # Errors
+/// [`Error::Capacity`](crate::Error::Capacity) past the 4 GiB that GLB's lengths can say.
+pub fn encode_glb(meshes: &[TexturedMesh]) -> Result<Vec<u8>> {
     let mut parts = Parts::default();
     let (mut meshes_json, mut materials, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
     for (k, textured) in meshes.iter().enumerate() {
@@ -68,7 +73,7 @@ pub fn encode_glb(meshes: &[TexturedMesh]) -> Vec<u8> {
         document["samplers"] =
             json!([{"wrapS": 33071, "wrapT": 33071, "magFilter": 9729, "minFilter": 9987}]);
     }
-    container(&document.to_string(), &parts.binary)
+    to_glb(&document, &parts.binary)
 }
 
 impl Parts {
@@ -153,22 +158,4 @@ impl Parts {
             .push(json!({"source": self.images.len() - 1, "sampler": 0}));
         self.textures.len() - 1
     }
-}
-
-fn container(json: &str, binary: &[u8]) -> Vec<u8> {
-    let padded = |bytes: &[u8], with: u8| {
-        let mut out = bytes.to_vec();
-        out.resize(bytes.len().next_multiple_of(4), with);
-        out
-    };
-    let (json, binary) = (padded(json.as_bytes(), b' '), padded(binary, 0));
-    let mut out = b"glTF".to_vec();
-    out.extend(2u32.to_le_bytes());
-    out.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &binary)] {
-        out.extend((chunk.len() as u32).to_le_bytes());
-        out.extend(kind);
-        out.extend(chunk);
-    }
-    out
 }

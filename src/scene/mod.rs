@@ -33,6 +33,7 @@ mod vertex;
 
 pub(crate) use accessor::Reader;
 pub use animation::{Animation, Channel, Interpolation, Property, Skin, Track};
+pub(crate) use container::to_glb;
 #[cfg(test)]
 pub(crate) use deform::samples as deform_samples;
 pub(crate) use deform::{Deformation, Rest};

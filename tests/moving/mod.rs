@@ -170,22 +170,9 @@ fn animation(w: &mut Writer) -> (Value, Value) {
     (samplers, channels)
 }
 
-/// A GLB of these two chunks.
+/// A GLB of the document.
 pub(crate) fn glb(document: &Value, binary: &[u8]) -> Vec<u8> {
-    let padded = |mut bytes: Vec<u8>, with: u8| {
-        bytes.resize(bytes.len().next_multiple_of(4), with);
-        bytes
-    };
-    let json = padded(document.to_string().into_bytes(), b' ');
-    let binary = padded(binary.to_vec(), 0);
-    let mut out = b"glTF\x02\0\0\0".to_vec();
-    out.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &binary)] {
-        out.extend((chunk.len() as u32).to_le_bytes());
-        out.extend(kind);
-        out.extend(chunk);
-    }
-    out
+    crate::glb::container(&document.to_string(), binary)
 }
 
 /// The model.
