@@ -18,12 +18,13 @@ const ONLY: [(&str, &[&str]); 2] = [("gpu", &["error"]), ("mesh", &["error"])];
 const RE_EXPORTS: [(&str, &str); 2] = [("Error", "error"), ("Result", "error")];
 
 /// Outside crates that only the rooms named may name.
-const FENCED: [(&str, &[&str]); 11] = [
+const FENCED: [(&str, &[&str]); 12] = [
     ("gltf", &["scene", "asset"]),
     ("gltf_json", &["scene", "asset"]),
     ("ash", &["gpu"]),
     ("gpu_allocator", &["gpu"]),
     ("meshopt", &["lod"]),
+    ("faer", &["param"]),
     ("nv_flip", &["measure"]),
     ("shaderc", &["gpu"]),
     ("exr", &["output", "measure"]),

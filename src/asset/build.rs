@@ -17,7 +17,7 @@ use crate::igt::{self, Ambiguous, Asking, BuildOptions, Needs, Reference, Tables
 use crate::lod::deviation::{Deviation, deviation};
 use crate::lod::{self, Lod, LodInput, Shape};
 use crate::mesh::Mesh;
-use crate::param::{self, Parts, Primary};
+use crate::param::{self, Chosen, Parts, Primary, Quality};
 use crate::scene::Scene;
 use crate::{Error, Result};
 use rayon::prelude::*;
@@ -42,7 +42,7 @@ pub struct BuildOutcome {
 /// [`Error::Input`] where no mesh has triangles; [`Error::Option`] for settings out of range or naming a mesh that does
 /// not exist; [`Error::Parameterization`] where a mesh cannot have the primary; [`Error::Cancelled`]; those of the device.
 pub fn build(
-    scene: Scene,
+    mut scene: Scene,
     settings: &BuildSettings,
     processor: Processor<'_>,
     progress: &dyn Progress,
@@ -52,7 +52,7 @@ pub fn build(
         .filter(|&m| !scene.meshes[m].triangles.is_empty())
         .collect();
     let mut work = Work {
-        scene: &scene,
+        names: scene.meshes.iter().map(|mesh| mesh.name.clone()).collect(),
         settings,
         progress,
         done: 0,
@@ -60,19 +60,24 @@ pub fn build(
         milliseconds: Vec::new(),
     };
     let chosen = work.each("primary", &meshes, |m| choose(&scene.meshes[m], settings))?;
+    for (&m, chosen) in meshes.iter().zip(&chosen) {
+        if let Some(computed) = &chosen.computed {
+            scene.meshes[m] = computed.embedding.cut_open(&scene.meshes[m]);
+        }
+    }
     let parts = work.each("parts", &meshes, |m| {
         let at = meshes.iter().position(|&other| other == m).unwrap_or(0);
-        Ok(param::parts(&scene.meshes[m], &chosen[at].0))
+        Ok(param::parts(&scene.meshes[m], &chosen[at].primary))
     })?;
-    let chains = work.chains(&meshes, &chosen, &parts)?;
+    let chains = work.chains(&scene, &meshes, &chosen, &parts)?;
     let mut prepared: Vec<Prepared> = Vec::with_capacity(meshes.len());
-    for (((mesh, (primary, why)), parts), lods) in
-        meshes.iter().copied().zip(chosen).zip(parts).zip(chains)
+    for (((mesh, chosen), parts), lods) in meshes.iter().copied().zip(chosen).zip(parts).zip(chains)
     {
         prepared.push(Prepared {
             mesh,
-            primary,
-            why,
+            primary: chosen.primary,
+            why: chosen.why,
+            quality: chosen.computed.map(|computed| computed.quality),
             parts,
             lods,
         });
@@ -117,16 +122,17 @@ pub(super) struct Prepared {
     pub(super) mesh: usize,
     pub(super) primary: Primary,
     pub(super) why: String,
+    pub(super) quality: Option<Quality>,
     pub(super) parts: Parts,
     pub(super) lods: Vec<Lod>,
 }
 
-fn choose(mesh: &Mesh, settings: &BuildSettings) -> Result<(Primary, String)> {
+fn choose(mesh: &Mesh, settings: &BuildSettings) -> Result<Chosen> {
     let named = settings
         .primary_of
         .iter()
         .find(|(name, _)| *name == mesh.name);
-    param::choose(
+    param::parameterize(
         mesh,
         named.map_or(&settings.primary, |(_, request)| request),
     )
@@ -204,7 +210,7 @@ fn deviations(mesh: &Mesh, lods: &[Lod]) -> Vec<Deviation> {
 
 /// Steps, their times, and the one who listens.
 struct Work<'a> {
-    scene: &'a Scene,
+    names: Vec<String>,
     settings: &'a BuildSettings,
     progress: &'a dyn Progress,
     done: usize,
@@ -245,10 +251,12 @@ impl Work<'_> {
         meshes: &[usize],
         work: impl Fn(usize) -> Result<T>,
     ) -> Result<Vec<T>> {
-        let scene = self.scene;
         meshes
             .iter()
-            .map(|&m| self.step(stage, &scene.meshes[m].name, || work(m)))
+            .map(|&m| {
+                let name = self.names[m].clone();
+                self.step(stage, &name, || work(m))
+            })
             .collect()
     }
 
@@ -258,29 +266,32 @@ impl Work<'_> {
         prepared: &[Prepared],
         work: impl Fn(&Prepared) -> Result<T>,
     ) -> Result<Vec<T>> {
-        let scene = self.scene;
         prepared
             .iter()
-            .map(|p| self.step(stage, &scene.meshes[p.mesh].name, || work(p)))
+            .map(|p| {
+                let name = self.names[p.mesh].clone();
+                self.step(stage, &name, || work(p))
+            })
             .collect()
     }
 
     /// The LoDs of all meshes, simplified together.
     fn chains(
         &mut self,
+        scene: &Scene,
         meshes: &[usize],
-        chosen: &[(Primary, String)],
+        chosen: &[Chosen],
         parts: &[Parts],
     ) -> Result<Vec<Vec<Lod>>> {
-        let (scene, fractions) = (self.scene, &self.settings.lods);
+        let fractions = &self.settings.lods;
         let places = places(scene);
         let inputs: Vec<LodInput> = meshes
             .iter()
             .zip(chosen)
             .zip(parts)
-            .map(|((&m, (primary, _)), parts)| LodInput {
+            .map(|((&m, chosen), parts)| LodInput {
                 mesh: &scene.meshes[m],
-                primary,
+                primary: &chosen.primary,
                 parts,
                 world: places[m],
             })

@@ -4,8 +4,9 @@
 //! an error that names the element. The tables must have the checksum the file gives them, and the mesh must be the one
 //! they were built for.
 
+use super::embedding::EmbeddingExtension;
 use super::extension::{EXTENSION, LodExtension, MeshExtension, RootExtension, VERSION};
-use super::{Built, BuiltMesh, morph, original};
+use super::{Built, BuiltMesh, embedding, morph, original};
 use crate::igt::Tables;
 use crate::lod::Lod;
 use crate::mesh::Mesh;
@@ -57,15 +58,15 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Built> {
             format!("{EXTENSION} version {} is not {VERSION}", root.version),
         ));
     }
-    let scene = read_original(name, &full, &root)?;
+    let mut scene = read_original(name, &full, &root)?;
     let reader = full.reader();
     let mut meshes = Vec::new();
     for mesh in 0..scene.meshes.len() {
         let extension = &json["meshes"][mesh]["extensions"][EXTENSION];
         if !extension.is_null() {
             let element = format!("meshes[{mesh}]");
-            let extension = parse(name, &format!("{element}."), extension)?;
-            let reading = Reading {
+            let extension: MeshExtension = parse(name, &format!("{element}."), extension)?;
+            let mut reading = Reading {
                 name,
                 full: &full,
                 reader: &reader,
@@ -73,6 +74,19 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Built> {
                 mesh,
                 element,
             };
+            if let Some(embedding) = &extension.embedding {
+                let open = reading.cut_open(embedding)?;
+                let element = reading.element;
+                scene.meshes[mesh] = open;
+                reading = Reading {
+                    name,
+                    full: &full,
+                    reader: &reader,
+                    scene: &scene,
+                    mesh,
+                    element,
+                };
+            }
             meshes.push(reading.built_mesh(extension)?);
         }
     }
@@ -139,6 +153,13 @@ impl Reading<'_> {
         {
             return Err(self.fault("primary", format!("the mesh has no uv set {set}")));
         }
+        let computed = matches!(extension.primary.kind, PrimaryKind::Computed(_));
+        if computed != extension.embedding.is_some() {
+            return Err(self.fault(
+                "embedding",
+                "comes with a computed primary, and only with one",
+            ));
+        }
         let tables = Tables {
             layout: extension.layout,
             format: extension.format,
@@ -190,6 +211,13 @@ impl Reading<'_> {
             lods,
             report: extension.report,
         })
+    }
+
+    /// The mesh cut open for its computed map.
+    fn cut_open(&self, extension: &EmbeddingExtension) -> Result<Mesh> {
+        let words = |view| self.words("embedding", view);
+        embedding::read(extension, self.mesh(), words)?
+            .map_err(|reason| self.fault("embedding", reason))
     }
 
     fn words(&self, what: &str, view: Option<usize>) -> Result<Vec<u32>> {

@@ -4,7 +4,7 @@
 //! `extensionsUsed`, the length of its buffer, and `extensions` of the meshes and nodes that have LoDs.
 
 use super::extension::{EXTENSION, LodExtension, MSFT_LOD, MeshExtension, RootExtension, VERSION};
-use super::{Built, BuiltMesh, morph, original};
+use super::{Built, BuiltMesh, embedding, morph, original};
 use crate::lod::Lod;
 use crate::mesh::Mesh;
 use crate::scene::{Document, array};
@@ -89,6 +89,7 @@ impl Writer<'_> {
         let [hash, list, triangle] =
             [&tables.hash, &tables.list, &tables.triangle].map(|words| self.words(words));
         let layer = self.view(&mesh.triangle_layer, None);
+        let embedding = embedding::write(&reference.embedding, |words| self.words(words));
         let mut lods = Vec::with_capacity(mesh.lods.len());
         for (k, lod) in mesh.lods.iter().enumerate() {
             self.check_lod(
@@ -101,6 +102,7 @@ impl Writer<'_> {
         self.nodes(mesh.mesh, &lods);
         let extension = MeshExtension {
             primary: tables.primary,
+            embedding,
             layout: tables.layout,
             format: tables.format,
             hash_size: tables.hash_size,

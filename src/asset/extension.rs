@@ -1,5 +1,6 @@
 //! The JSON of the vendor extension, as `schema/` documents it.
 
+use super::embedding::EmbeddingExtension;
 use crate::igt::{Format, Layout, Stats, Window};
 use crate::param::Primary;
 use serde::{Deserialize, Serialize};
@@ -45,6 +46,9 @@ pub(super) struct Counts {
 #[serde(deny_unknown_fields, rename_all = "camelCase")]
 pub(super) struct MeshExtension {
     pub(super) primary: Primary,
+    /// Places in T3, for a primary that is computed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) embedding: Option<EmbeddingExtension>,
     pub(super) layout: Layout,
     pub(super) format: Format,
     /// Width and height of the hash texture, in texels.

@@ -16,6 +16,7 @@
 
 mod build;
 mod decode;
+mod embedding;
 mod encode;
 mod extension;
 mod morph;

@@ -22,6 +22,7 @@ use super::{Common, ambiguous, bad_option, note};
 #[derive(clap::Args)]
 #[command(after_help = "\
 JSON: file, output, output_bytes, device, warnings[], meshes[]: name, triangles, parts, primary, why, hash [w,h],
+map {charts, stretch {l2, linf, angle}, seam_length, filled_fraction, turned_triangles[]} of a computed primary or null,
 layout, entries, mean_list, max_list, gutter_entries, gutter_width (texels), unreached_texels, collapsed_triangles,
 ambiguous_fraction (of the covered domain), ambiguous_triangles, ambiguous_area_fraction (of the surface, at most),
 ambiguous_first[] (up to 64 of them), overlap_fraction, turned_fraction, bytes {hash, list, triangle, attribute, total}, tables_sha256,
@@ -33,6 +34,7 @@ Examples:
   invertex build apple.glb -o built.glb --primary sphere --lods 0.2,0.05,0.01
   invertex build boat.glb -o built.glb --primary sphere:-3.25,1.29,0.57 --hash 512
   invertex build helmet.glb -o built.glb --primary uv0 --primary Lenses_low=sphere     one mesh its own way
+  invertex build scan.glb -o built.glb --primary lscm              charts, for a scan that has no uv
   invertex build bottle.glb -o built.glb --ambiguous twice.csv        which triangles share a place with others
   invertex build apple.glb -o built.glb --layout classic --device cpu --json | jq '.meshes[].tables_sha256'")]
 pub(super) struct Build {
@@ -41,8 +43,8 @@ pub(super) struct Build {
     /// The file to write.
     #[arg(short, long, value_name = "OUT.glb")]
     output: PathBuf,
-    /// Primary parameterization: auto, uv0, uv1, .., plane[:AXIS], cylinder[:AXIS], sphere[:X,Y,Z]; or MESH=KIND for one
-    /// mesh. May be given several times.
+    /// Primary parameterization: auto, uv0, uv1, .., plane[:AXIS], cylinder[:AXIS], sphere[:X,Y,Z], or computed: lscm; or
+    /// MESH=KIND for one mesh. May be given several times.
     #[arg(long, value_name = "[MESH=]KIND", allow_hyphen_values = true)]
     primary: Vec<String>,
     /// Texels along each side of the hash texture: a power of two up to 8192, or auto (about two texels a triangle).

@@ -4,7 +4,7 @@
 
 use std::io::Read;
 
-use invertex::param::{Primary, PrimaryKind};
+use invertex::param::Primary;
 use invertex::{Error, Result};
 
 /// All of standard input.
@@ -52,12 +52,11 @@ fn point(record: &csv::StringRecord, primary: &Primary) -> std::result::Result<[
         })
         .collect::<std::result::Result<Vec<f64>, String>>()?;
     match (primary.kind, numbers.as_slice()) {
-        (PrimaryKind::UvSet(_), &[u, v]) => Ok([u, v, 0.0]),
-        (PrimaryKind::UvSet(_), &[u, v, 0.0]) => Ok([u, v, 0.0]),
-        (PrimaryKind::UvSet(set), _) => Err(format!(
-            "holds {} numbers; uv{set} wants u,v",
-            numbers.len()
-        )),
+        (kind, &[u, v]) if kind.has_charts() => Ok([u, v, 0.0]),
+        (kind, &[u, v, 0.0]) if kind.has_charts() => Ok([u, v, 0.0]),
+        (kind, _) if kind.has_charts() => {
+            Err(format!("holds {} numbers; {kind} wants u,v", numbers.len()))
+        }
         (_, &[x, y, z]) => Ok(primary.t3_of_position([x, y, z])),
         (kind, _) => Err(format!(
             "holds {} numbers; {kind} wants x,y,z",
@@ -69,8 +68,8 @@ fn point(record: &csv::StringRecord, primary: &Primary) -> std::result::Result<[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use invertex::param::Axis;
     use invertex::param::grid::Frame;
+    use invertex::param::{Axis, PrimaryKind};
 
     fn read(text: &str, kind: PrimaryKind) -> Result<Vec<[f64; 3]>> {
         let primary = Primary {

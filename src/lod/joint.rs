@@ -5,7 +5,6 @@
 
 use super::LodInput;
 use super::motion::{Motion, Shape};
-use crate::param::PrimaryKind;
 use crate::param::fit_surface::weld;
 use crate::param::weld::by_place;
 use glam::{DMat4, DVec3, Mat4};
@@ -112,11 +111,11 @@ impl Joint {
                 .as_vec3()
                 .to_array(),
         );
-        self.attributes.extend(match input.primary.kind {
-            PrimaryKind::UvSet(set) => {
-                input.mesh.uv_sets[set as usize][origin.vertex as usize].map(|x| x * UV_WEIGHT)
-            }
-            _ => [0.0; UV],
+        self.attributes.extend(if input.primary.kind.has_charts() {
+            let [u, v, _] = input.primary.t3_of(input.mesh, origin.vertex as usize);
+            [u, v].map(|x| x as f32 * UV_WEIGHT)
+        } else {
+            [0.0; UV]
         });
         self.origins.push(origin);
     }

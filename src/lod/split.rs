@@ -8,7 +8,6 @@ use super::joint::{Joint, uv_of};
 use super::simplify::Simplified;
 use super::{Lod, LodInput};
 use crate::mesh::smooth_normals;
-use crate::param::PrimaryKind;
 use crate::param::fit_surface::t3_facing;
 use glam::DVec3;
 
@@ -112,10 +111,10 @@ fn push_vertex(
     let uv = uv_of(&simplified.attributes, joint.stride, v);
     let same_uv =
         uv == uv_of(&joint.attributes, joint.stride, v) || !uv.iter().all(|x| x.is_finite());
-    let t3 = match primary.kind {
-        PrimaryKind::UvSet(_) if same_uv => primary.t3_of(mesh, origin),
-        PrimaryKind::UvSet(_) => [uv[0], uv[1], 0.0],
-        _ => primary.t3_of_position(position.map(f64::from)),
+    let t3 = match primary.kind.has_charts() {
+        true if same_uv => primary.t3_of(mesh, origin),
+        true => [uv[0], uv[1], 0.0],
+        false => primary.t3_of_position(position.map(f64::from)),
     };
     lod.positions.push(position);
     lod.t3.push(primary.to_grid(t3));

@@ -3,14 +3,17 @@
 //! In: nothing but numbers. Out: [`Mesh`], whose invariants ([`Mesh::validate`]) every stage may rely on: indices in
 //! range, arrays of equal length or empty, floats finite.
 
+mod embedding;
 mod normal;
 pub mod shapes;
 mod tangent;
 mod topology;
 
+pub use embedding::Embedding;
 pub(crate) use normal::double_area_vector;
 pub use normal::smooth_normals;
 pub use tangent::{CornerTangents, tangents};
+pub(crate) use topology::Union;
 pub use topology::{Adjacency, Components, NONE, Weld, components};
 
 use crate::{Error, Result};
@@ -47,6 +50,8 @@ pub struct Mesh {
     pub target_weights: Vec<f32>,
     /// What else the file says of its vertices, by name.
     pub custom: Vec<CustomAttribute>,
+    /// Places in T3, where a primary parameterization computed them; the mesh is cut open for it.
+    pub embedding: Embedding,
 }
 
 /// A vertex attribute that means something to its author alone: one of glTF's names that begin with an underscore.

@@ -9,6 +9,7 @@ use super::fit_centre::search;
 use super::fit_domain::Domain;
 use super::fit_overlap::{LAYOUT_TEXELS, Overlap, SHEET_TEXELS, measure};
 use super::fit_surface::{Surface, parts_of};
+use super::projection::Line;
 use super::{Axis, Primary, PrimaryKind};
 use crate::error::Result;
 use crate::mesh::{Components, Mesh};
@@ -86,12 +87,15 @@ pub fn fit(mesh: &Mesh, kind: PrimaryKind, centre: Option<[f64; 3]>) -> Option<F
 
 /// Whether the mesh has what the primary is made from.
 fn exists(mesh: &Mesh, kind: PrimaryKind) -> bool {
-    let PrimaryKind::UvSet(set) = kind else {
-        return true;
-    };
-    mesh.uv_sets
-        .get(set as usize)
-        .is_some_and(|uv| uv.len() == mesh.positions.len())
+    let vertices = mesh.positions.len();
+    match kind {
+        PrimaryKind::UvSet(set) => {
+            let uv = mesh.uv_sets.get(set as usize);
+            uv.is_some_and(|uv| uv.len() == vertices)
+        }
+        PrimaryKind::Computed(_) => mesh.embedding.t3.len() == vertices,
+        _ => true,
+    }
 }
 
 /// [`fit`] with the parts known; the uv set exists.
@@ -106,7 +110,7 @@ fn fit_with(
         return None;
     }
     let centre = centre.unwrap_or_else(|| origin(mesh, &mut surface));
-    if matches!(kind, PrimaryKind::Cylinder(_) | PrimaryKind::Sphere) {
+    if kind.line() != Line::Parallel {
         surface.set_origin(mesh, centre);
     }
     let without_image = |t: usize| if surface.facing[t] == 0.0 { 1.0 } else { 0.0 };
@@ -121,7 +125,7 @@ impl Fit {
     pub fn primary(&self, mesh: &Mesh) -> Result<Primary> {
         match self.kind {
             PrimaryKind::UvSet(_) | PrimaryKind::Plane(_) => Primary::centred(self.kind, mesh),
-            PrimaryKind::Cylinder(_) | PrimaryKind::Sphere => {
+            PrimaryKind::Cylinder(_) | PrimaryKind::Sphere | PrimaryKind::Computed(_) => {
                 Primary::new(self.kind, mesh, self.centre)
             }
         }
@@ -139,7 +143,7 @@ impl Fit {
 }
 
 fn seamless(kind: PrimaryKind) -> bool {
-    !matches!(kind, PrimaryKind::UvSet(_))
+    !kind.has_charts()
 }
 
 /// The origin to use: the point that turns least for spheres and cylinders, the middle of the box for the others.
@@ -147,7 +151,7 @@ fn seamless(kind: PrimaryKind) -> bool {
 fn origin(mesh: &Mesh, surface: &mut Surface) -> [f64; 3] {
     let (low, high) = bounds(&surface.points);
     let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
-    if matches!(surface.kind, PrimaryKind::UvSet(_) | PrimaryKind::Plane(_)) {
+    if surface.kind.line() == Line::Parallel {
         return middle;
     }
     let centroid = surface.centroid(mesh);
@@ -190,7 +194,7 @@ fn measured(mesh: &Mesh, surface: &Surface, centre: [f64; 3]) -> Fit {
         degenerate_triangles: (0..surface.areas.len())
             .filter(|&t| surface.areas[t] > 0.0 && surface.facing[t] == 0.0)
             .count(),
-        facing: if let PrimaryKind::UvSet(_) = surface.kind {
+        facing: if surface.kind.has_charts() {
             0.0
         } else {
             share(&|t| surface.facing[t].max(0.0))
@@ -205,8 +209,8 @@ fn measured(mesh: &Mesh, surface: &Surface, centre: [f64; 3]) -> Fit {
 /// Overlap over the hash domain; a uv set that fits one tile is measured on that tile.
 fn overlap(mesh: &Mesh, surface: &Surface) -> Overlap {
     let whole = Domain::new(surface.kind, &surface.points, 0.0);
-    let (domain, side) = match surface.kind {
-        PrimaryKind::UvSet(_) => {
+    let (domain, side) = match surface.kind.has_charts() {
+        true => {
             let (low, high) = bounds(&surface.points);
             let tile = [low[0].floor(), low[1].floor()];
             let one_tile = (0..2).all(|k| high[k] - tile[k] <= 1.0);
@@ -215,16 +219,16 @@ fn overlap(mesh: &Mesh, surface: &Surface) -> Overlap {
                 LAYOUT_TEXELS,
             )
         }
-        _ => (whole, SHEET_TEXELS),
+        false => (whole, SHEET_TEXELS),
     };
     measure(&domain, side, &surface.part, |t| surface.corners(mesh, t))
 }
 
 /// Share of the uv area with the minority orientation.
 fn mirrored(mesh: &Mesh, surface: &Surface) -> f64 {
-    let PrimaryKind::UvSet(_) = surface.kind else {
+    if !surface.kind.has_charts() {
         return 0.0;
-    };
+    }
     let (mut front, mut back) = (0.0, 0.0);
     for t in 0..surface.areas.len() {
         let area = surface.uv_area(mesh, t);

@@ -19,7 +19,8 @@ const ENDS: f64 = 0.25;
 /// A uv set is good up to this share of its layout covered twice within one chart.
 const WITHIN_CHARTS: f64 = 0.10;
 
-/// The primary for `request`, and why.
+/// The primary for `request`, and why: one that the file or positions give. [`parameterize`](super::parameterize()) also
+/// computes.
 ///
 /// # Errors
 /// [`Error::Parameterization`] where the request cannot be had, or nothing can, saying what to do.
@@ -42,6 +43,9 @@ pub fn choose(mesh: &Mesh, request: &PrimaryRequest) -> Result<(Primary, String)
             &[PrimaryKind::Sphere],
             centre.map(|c| c.map(f64::from)),
         )?,
+        PrimaryRequest::Computed(map) => {
+            return Err(refuse(mesh, format!("{map} has to be computed")));
+        }
     };
     Ok((fit.primary(mesh)?, why))
 }
@@ -123,7 +127,7 @@ fn least_fault<'a>(fits: impl Iterator<Item = &'a Fit>) -> Option<&'a Fit> {
 /// What the numbers say, in a clause.
 fn verdict(fit: &Fit) -> String {
     let mut clauses = vec![];
-    if let PrimaryKind::UvSet(_) = fit.kind {
+    if fit.kind.has_charts() {
         clauses.push(if fit.charts == 1 {
             "1 chart".to_string()
         } else {

@@ -9,6 +9,7 @@
 //! instrument: nothing of it is stored, the tables have their own addresses.
 
 use super::PrimaryKind;
+use super::projection::Line;
 
 type Point = [f64; 3];
 
@@ -44,10 +45,10 @@ pub(crate) struct Piece {
 impl Domain {
     /// The domain of `kind` over `points` (T3, relative to the origin).
     pub(crate) fn new(kind: PrimaryKind, points: &[Point], apron: f64) -> Self {
-        let (shape, axes) = match kind {
-            PrimaryKind::UvSet(_) | PrimaryKind::Plane(_) => (Shape::Flat, [0, 1]),
-            PrimaryKind::Cylinder(_) => (Shape::Prism, [0, 2]),
-            PrimaryKind::Sphere => (Shape::Cube, [0, 1]),
+        let (shape, axes) = match kind.line() {
+            Line::Parallel => (Shape::Flat, [0, 1]),
+            Line::Cylinder => (Shape::Prism, [0, 2]),
+            Line::Sphere => (Shape::Cube, [0, 1]),
         };
         let bound = |axis: usize, pick: fn(f64, f64) -> f64, from: f64| {
             points.iter().map(|p| p[axis]).fold(from, pick)

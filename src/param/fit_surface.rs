@@ -5,6 +5,7 @@
 //! the back), 0 means that the triangle's image has no area.
 
 use super::fit_centre::{HalfSpace, cross, dot, sub};
+use super::projection::Line;
 use super::weld::by_place;
 use super::{Frame, Primary, PrimaryKind};
 use crate::mesh::{Components, Mesh, Weld, components};
@@ -55,6 +56,17 @@ pub(crate) fn t3_points(mesh: &Mesh, kind: PrimaryKind) -> Vec<[f64; 3]> {
 pub(crate) fn weld(mesh: &Mesh, kind: PrimaryKind) -> Weld {
     match kind {
         PrimaryKind::UvSet(set) => Weld::by_position_and_uv(mesh, set as usize),
+        PrimaryKind::Computed(_) => {
+            let place = by_place(&mesh.positions, &mesh.triangles);
+            let t3 = &mesh.embedding.t3;
+            Weld::by_key(
+                place
+                    .of
+                    .iter()
+                    .zip(t3)
+                    .map(|(p, t3)| (*p, t3.map(f32::to_bits))),
+            )
+        }
         _ => by_place(&mesh.positions, &mesh.triangles),
     }
 }
@@ -112,7 +124,7 @@ impl Surface {
             })
             .collect();
         (self.facing, self.counted) = facings.into_iter().unzip();
-        if let PrimaryKind::UvSet(_) = self.kind {
+        if self.kind.has_charts() {
             self.face_by_chart(mesh);
         } else if self.sum(|t| self.facing[t]) < 0.0 {
             // Which way is out is the majority's choice: a mesh may be wound inside out.
@@ -164,7 +176,7 @@ impl Surface {
                 sub(corners[1], corners[0]),
                 sub(corners[2], corners[0]),
             ));
-            if matches!(self.kind, PrimaryKind::Cylinder(_)) {
+            if self.kind.line() == Line::Cylinder {
                 normal[2] = 0.0;
             }
             let middle: [f64; 3] =
@@ -211,13 +223,13 @@ fn facing(kind: PrimaryKind, normal: [f64; 3], corners: &[[f64; 3]; 3]) -> (f64,
         return (0.0, true);
     }
     let middle: [f64; 3] = std::array::from_fn(|k| corners[0][k] + corners[1][k] + corners[2][k]);
-    let (line, counted) = match kind {
-        PrimaryKind::UvSet(_) | PrimaryKind::Plane(_) => ([0.0, 0.0, 1.0], true),
-        PrimaryKind::Cylinder(_) => (
+    let (line, counted) = match kind.line() {
+        Line::Parallel => ([0.0, 0.0, 1.0], true),
+        Line::Cylinder => (
             [middle[0], middle[1], 0.0],
             normal[2].abs() <= END_FACING * n,
         ),
-        PrimaryKind::Sphere => (middle, true),
+        Line::Sphere => (middle, true),
     };
     let l = length(line);
     let cosine = if l > 0.0 {

@@ -5,6 +5,8 @@
 //! Source: Inverse Geometric Textures, section 2 (M_T = M o P o C): [`Primary::t3_of`] is C, [`projection::Line`] is P and
 //! [`projection::Line::texel`] is M.
 
+mod charts;
+mod computed;
 pub mod fit;
 mod fit_centre;
 mod fit_choose;
@@ -13,15 +15,19 @@ mod fit_overlap;
 pub(crate) mod fit_surface;
 pub mod grid;
 pub mod layer;
+mod parameterize;
 pub mod projection;
 pub(crate) mod weld;
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
+pub use charts::Stretch;
+pub use computed::{Computed, Map, Quality};
 pub use fit::{Fit, fit, fits};
 pub use fit_choose::choose;
 use grid::Frame;
 pub use layer::{Parts, parts};
+pub use parameterize::{Chosen, parameterize};
 use projection::Line;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -74,6 +80,29 @@ pub enum PrimaryKind {
     Cylinder(Axis),
     /// Central projection: T3 is the position, lines are half-lines from the centre.
     Sphere,
+    /// A map that was computed: T3 is what the mesh's [`Embedding`](crate::mesh::Embedding) says.
+    Computed(Map),
+}
+
+impl PrimaryKind {
+    /// The family of projection lines: P of the paper, whatever C is.
+    pub fn line(self) -> Line {
+        match self {
+            PrimaryKind::UvSet(_) | PrimaryKind::Plane(_) => Line::Parallel,
+            PrimaryKind::Cylinder(_) => Line::Cylinder,
+            PrimaryKind::Sphere => Line::Sphere,
+            PrimaryKind::Computed(map) => map.line(),
+        }
+    }
+
+    /// Whether T3 is a plane of charts, (u, v, 0): the surface has seams.
+    pub fn has_charts(self) -> bool {
+        match self {
+            PrimaryKind::UvSet(_) => true,
+            PrimaryKind::Computed(map) => map.has_charts(),
+            _ => false,
+        }
+    }
 }
 
 /// A primary parameterization, ready to map points: its kind, and where its frame lies.
@@ -102,6 +131,14 @@ impl Primary {
                     "it has no uv set {set} (it has {}); choose a primary from position, such as --primary sphere",
                     mesh.uv_sets.len()
                 ),
+            });
+        }
+        if let PrimaryKind::Computed(map) = kind
+            && mesh.embedding.t3.len() != mesh.positions.len()
+        {
+            return Err(Error::Parameterization {
+                mesh: mesh.name.clone(),
+                reason: format!("{map} is not computed for it"),
             });
         }
         let unscaled = Primary {
@@ -134,7 +171,7 @@ impl Primary {
                 scale: 1.0,
             },
         };
-        if let PrimaryKind::UvSet(_) = kind {
+        if let PrimaryKind::UvSet(_) | PrimaryKind::Computed(_) = kind {
             Primary::new(kind, mesh, [0.0; 3])?;
         }
         let mut low = [f64::INFINITY; 3];
@@ -154,22 +191,19 @@ impl Primary {
 
     /// Whether T3 comes from position, so that the surface has no cuts (seams) in T3.
     pub fn is_seamless(&self) -> bool {
-        !matches!(self.kind, PrimaryKind::UvSet(_))
+        !self.kind.has_charts()
     }
 
     /// The family of projection lines.
     pub fn line(&self) -> Line {
-        match self.kind {
-            PrimaryKind::UvSet(_) | PrimaryKind::Plane(_) => Line::Parallel,
-            PrimaryKind::Cylinder(_) => Line::Cylinder,
-            PrimaryKind::Sphere => Line::Sphere,
-        }
+        self.kind.line()
     }
 
-    /// The T3 coordinates of an object-space position, for primaries from position: the axis comes third.
+    /// The T3 coordinates of an object-space position, for primaries from position: the axis comes third. For the others a
+    /// point of T3 is what it is.
     pub fn t3_of_position(&self, p: [f64; 3]) -> [f64; 3] {
         match self.kind {
-            PrimaryKind::UvSet(_) | PrimaryKind::Sphere => p,
+            PrimaryKind::UvSet(_) | PrimaryKind::Sphere | PrimaryKind::Computed(_) => p,
             PrimaryKind::Plane(axis) | PrimaryKind::Cylinder(axis) => axis.to_third(p),
         }
     }
@@ -181,6 +215,7 @@ impl Primary {
                 let uv = mesh.uv_sets[set as usize][vertex];
                 [uv[0] as f64, uv[1] as f64, 0.0]
             }
+            PrimaryKind::Computed(_) => mesh.embedding.t3[vertex].map(f64::from),
             _ => self.t3_of_position(mesh.positions[vertex].map(f64::from)),
         }
     }
@@ -204,6 +239,7 @@ impl fmt::Display for PrimaryKind {
             PrimaryKind::Plane(axis) => write!(f, "plane:{}", letter(axis)),
             PrimaryKind::Cylinder(axis) => write!(f, "cylinder:{}", letter(axis)),
             PrimaryKind::Sphere => write!(f, "sphere"),
+            PrimaryKind::Computed(map) => write!(f, "{map}"),
         }
     }
 }
@@ -222,6 +258,8 @@ pub enum PrimaryRequest {
     Cylinder(Option<Axis>),
     /// `sphere` or `sphere:x,y,z` (the centre).
     Sphere(Option<[f32; 3]>),
+    /// A computed map, by its name.
+    Computed(Map),
 }
 
 impl FromStr for PrimaryRequest {
@@ -248,10 +286,14 @@ impl FromStr for PrimaryRequest {
             "plane" => Ok(PrimaryRequest::Plane(axis()?)),
             "cylinder" => Ok(PrimaryRequest::Cylinder(axis()?)),
             "sphere" => Ok(PrimaryRequest::Sphere(parameter.map(centre).transpose()?)),
+            _ if parameter.is_none() && Map::named(kind).is_some() => {
+                Ok(Map::named(kind).map_or(PrimaryRequest::Auto, PrimaryRequest::Computed))
+            }
             _ => match kind.strip_prefix("uv").map(u8::from_str) {
                 Some(Ok(set)) if parameter.is_none() => Ok(PrimaryRequest::UvSet(set)),
                 _ => Err(refuse(format!(
-                    "\"{text}\" is none of auto, uv0, uv1, .., plane[:axis], cylinder[:axis], sphere[:x,y,z]"
+                    "\"{text}\" is none of auto, uv0, uv1, .., plane[:axis], cylinder[:axis], sphere[:x,y,z], {}",
+                    Map::ALL.map(Map::name).join(", ")
                 ))),
             },
         }

@@ -9,7 +9,7 @@ use super::json::{MeshJson, Primitive, Root, at};
 use super::material::Material;
 use super::morph;
 use super::vertex::{Vertices, read_vertices};
-use crate::mesh::{CustomAttribute, Mesh, smooth_normals};
+use crate::mesh::{CustomAttribute, Embedding, Mesh, smooth_normals};
 use crate::{Error, Result};
 use std::collections::{BTreeMap, HashMap};
 
@@ -231,6 +231,7 @@ impl<'a> Meshes<'a> {
             )?,
             target_weights: vec![],
             custom: self.custom(blocks, element)?,
+            embedding: Embedding::default(),
         };
         let lacks = |get: fn(&Vertices) -> bool| -> Vec<bool> {
             blocks

@@ -13,7 +13,7 @@ pub use window::Window;
 
 use super::Layout;
 use crate::error::{Error, Result};
-use crate::param::{Primary, PrimaryKind};
+use crate::param::Primary;
 use serde::{Deserialize, Serialize};
 
 /// How the words of tables are to be read.
@@ -130,5 +130,5 @@ pub fn hash_words(layout: Layout) -> usize {
 
 /// Whether T3 has two coordinates (the third is always zero).
 pub fn is_flat(primary: &Primary) -> bool {
-    matches!(primary.kind, PrimaryKind::UvSet(_))
+    primary.kind.has_charts()
 }
