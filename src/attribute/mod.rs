@@ -12,7 +12,6 @@ mod mips;
 mod named;
 mod occlusion;
 mod procedural;
-mod rays;
 pub(crate) mod sample;
 mod show;
 mod shown;

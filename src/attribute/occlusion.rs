@@ -7,7 +7,7 @@
 //! arithmetic is `+ - * /` and square roots. Vertices in one place with one normal get one number, so seams do not show.
 
 use super::arithmetic::{V3, add3, cross3, scale3, unit3};
-use super::rays::Rays;
+use crate::mesh::bvh::{Asking, Bvh, Ray, Sides};
 use crate::scene::{Deformation, Scene};
 use crate::{Error, Result};
 use rayon::prelude::*;
@@ -64,7 +64,7 @@ pub(super) fn cast(
         .iter()
         .flat_map(|s| s.triangles.iter().copied())
         .collect();
-    let rays = Rays::new(triangles);
+    let rays = Bvh::new(&triangles);
     let diagonal = rays.diagonal();
     let mut out: Vec<Vec<f32>> = scene
         .meshes
@@ -80,10 +80,14 @@ pub(super) fn cast(
         }
         for (numbers, vertices) in out[s.mesh].chunks_mut(BATCH).zip(s.vertices.chunks(BATCH)) {
             progress(done, of);
-            let seen = |(number, vertex): (&mut f32, &(V3, V3))| {
-                *number = open(&rays, *vertex, diagonal, options)
+            let asking = || rays.asking();
+            let seen = |rays: &mut Asking, (number, vertex): (&mut f32, &(V3, V3))| {
+                *number = open(rays, *vertex, diagonal, options)
             };
-            numbers.par_iter_mut().zip(vertices).for_each(seen);
+            numbers
+                .par_iter_mut()
+                .zip(vertices)
+                .for_each_init(asking, seen);
             done += numbers.len();
         }
     }
@@ -149,7 +153,7 @@ fn standing(scene: &Scene) -> Result<Vec<Standing>> {
 
 /// The share of rays from a vertex that meet nothing.
 fn open(
-    rays: &Rays,
+    rays: &mut Asking,
     (position, normal): (V3, V3),
     diagonal: f32,
     options: &OcclusionOptions,
@@ -159,7 +163,13 @@ fn open(
     let mut free = 0u32;
     for [x, y, z] in directions(seed(position), options.samples) {
         let way = add3(add3(scale3(across, x), scale3(along, y)), scale3(normal, z));
-        free += u32::from(!rays.meets(begin, way, options.reach * diagonal));
+        let ray = Ray {
+            begin,
+            way,
+            reach: options.reach * diagonal,
+            sides: Sides::Both,
+        };
+        free += u32::from(!rays.meets(ray));
     }
     free as f32 / options.samples as f32
 }
@@ -229,13 +239,14 @@ mod tests {
             corner(1.0, 1.0),
             corner(-1.0, 1.0),
         ];
-        let rays = Rays::new(vec![[a, b, c], [a, c, d]]);
+        let tree = Bvh::new(&[[a, b, c], [a, c, d]]);
+        let rays = &mut tree.asking();
         let options = OcclusionOptions {
             samples: 4096,
             reach: 10.0,
         };
         let open = open(
-            &rays,
+            rays,
             ([0.0; 3], [0.0, 0.0, 1.0]),
             1e-3,
             &OcclusionOptions {
@@ -255,7 +266,7 @@ mod tests {
             reach: 0.5,
         };
         assert_eq!(
-            super::open(&rays, ([0.0; 3], [0.0, 0.0, 1.0]), 1.0, &near),
+            super::open(rays, ([0.0; 3], [0.0, 0.0, 1.0]), 1.0, &near),
             1.0,
             "out of reach"
         );

@@ -1,56 +1,69 @@
 //! `bake`: attributes of a reference as textures of a simpler surface.
 
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::attribute::Computed;
-use super::bake_report::{MeshReport, Report, TextureReport};
-use super::print;
-use super::progress::Bar;
+use super::bake_files::{Files, Finished, stems};
+use super::bake_report::Report;
+use super::device::Device;
+use super::progress::Heard;
+use super::recovery::{Recovering, renderer, scene};
 use super::view::Size;
-use super::{Common, bad_option, mesh_named, note};
-use invertex::asset::{Built, Model, Progress};
-use invertex::attribute::Attribute;
-use invertex::output::{
-    TexturePlace, TexturedMesh, encode_exr, encode_glb, encode_png, make_folder, write_bytes,
+use super::{Common, bad_option, mesh_named, note, print};
+use invertex::asset::{Built, Model};
+use invertex::output::make_folder;
+use invertex::recover::{
+    BakeAttribute, BakeSettings, Baker, Mapping, Misses, Over, Pair, PairSettings,
 };
-use invertex::recover::{BakeAttribute, BakeSettings, Baked, Baker, Mapping, Over};
 use invertex::{Error, Result};
 
 /// Resample attributes of a reference into textures of a simpler surface.
 ///
-/// The mapping uv-match takes each texel's point of the LoD through the inverse texture to the reference; the file has to be
-/// one that `build` made. Over a LoD the textures come with the LoD itself, cut along its atlas, as baked.glb.
+/// With two models, LOW's textures take for each texel a point of HIGH that `--map` chooses; the models need share nothing but
+/// the space they stand in. With one, a file that `build` made, the mapping uv-match takes each texel's point of the LoD through
+/// the inverse texture to the reference. Either way the surface comes with its textures, as baked.glb.
 #[derive(clap::Args)]
 #[command(after_help = "\
-Attributes: normal (tangent space of the LoD, +Y up), object-normal, position, color (base colour, vertex colours
-included), vertex-color (COLOR_0), and all that `render --attribute` knows: occlusion, metallic-roughness, emissive,
-triangle-color, material, part, _NAME, wood, ... and products of them.
+Mappings between two models: proximity (the closest point), normal (the first along the normal, outwards before inwards),
+visibility-face, visibility-vertex, visibility-texel (along the mean direction that LOW is seen from), hybrid-vertex,
+hybrid-texel (between the two by how much directions vary), cage (along the normal from outside, inwards), auto (the best of
+them for each texel, by what probes see of HIGH). `invertex assess` rates them for a pair.
 
-Files in OUT: MESH_ATTRIBUTE.png, MESH_mask.png (white: from the reference; grey: a neighbour's; black: the mean), baked.glb.
+Attributes: normal (tangent space, +Y up), object-normal, position, color (base colour, vertex colours included),
+vertex-color (COLOR_0), and all that `render --attribute` knows: occlusion, metallic-roughness, emissive, triangle-color,
+material, part, _NAME, wood, ... and products of them.
 
-JSON: mapping, over, size, samples, padding, filled_fraction (texels with a point of the reference, of all texels),
-missed_fraction (texels on the surface without one), meshes[]: name, triangles, filled_fraction, missed_fraction;
-textures[]: mesh, attribute, path, sha256; files[]; ms{}; warnings[].
+Files in OUT: MESH_ATTRIBUTE.png, MESH_mask.png (white: a point of the reference; light grey: the closest one, for a ray that
+missed; grey: a neighbour's value; black: the mean), baked.glb.
+
+JSON: mapping, low, over, size, samples, padding, filled_fraction (texels with a point of the reference, of all texels),
+missed_fraction (texels on the surface whose point was not found, of those on it), meshes[]: name, triangles,
+filled_fraction, missed_fraction; textures[]: mesh, attribute, path, sha256; files[]; ms{}; warnings[].
 
 Examples:
+  invertex bake statue.glb statue_low.glb -o textures/ --map hybrid-vertex --attributes normal,color --size 2048
+  invertex bake scan.glb low.glb -o textures/ --map proximity --attributes normal,occlusion --misses fill
   invertex bake built.glb -o textures/ --lod 2 --attributes color,normal,metallic-roughness --size 2048
   invertex bake built.glb -o textures/ --attributes occlusion,_HEAT:0..100 --format exr
   invertex bake built.glb -o wood/ --lod 3 --attributes 'wood*occlusion' --samples 4
   invertex bake built.glb -o square/ --over primary --attributes color,object-normal,position")]
 pub(super) struct Bake {
-    /// The model: a file that `build` made.
+    /// The model whose detail is wanted; alone, a file that `build` made.
     high: PathBuf,
+    /// The model to bake for.
+    low: Option<PathBuf>,
     /// The folder for all files.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Which point of the reference a texel stands for.
-    #[arg(long, value_enum, default_value_t = Map::UvMatch)]
-    map: Map,
-    /// What textures are laid out over: a LoD, or the primary parameterization's square of addresses, for all LoDs.
-    #[arg(long, value_enum, default_value_t = Layout::Lod)]
-    over: Layout,
-    /// The level of detail; 0 is the reference's own geometry. Default: 1.
+    /// Which point of the reference a texel stands for. Default: normal for two models, uv-match for a built file.
+    #[arg(long, value_name = "MAPPING")]
+    map: Option<String>,
+    /// What textures of a built file are laid out over: a LoD, or the primary parameterization's square of addresses, for all
+    /// LoDs. Default: lod.
+    #[arg(long, value_enum)]
+    over: Option<Layout>,
+    /// The level of detail of a built file; 0 is the reference's own geometry. Default: 1.
     #[arg(long, value_name = "N")]
     lod: Option<usize>,
     /// What is baked, one texture for each.
@@ -59,9 +72,9 @@ pub(super) struct Bake {
     /// Texels along each side.
     #[arg(long, value_name = "N", default_value = "1024")]
     size: Size,
-    /// Samples along each side of a texel.
-    #[arg(long, value_name = "N", default_value_t = 2)]
-    samples: u32,
+    /// Samples along each side of a texel. Default: 2 for a built file, 1 for two models.
+    #[arg(long, value_name = "N")]
+    samples: Option<u32>,
     /// Texels that borders grow by.
     #[arg(long, value_name = "N", default_value_t = 8)]
     padding: u32,
@@ -71,15 +84,27 @@ pub(super) struct Bake {
     /// Bake this mesh alone.
     #[arg(long, value_name = "NAME")]
     mesh: Option<String>,
+    /// What texels get whose ray met nothing. Default: proximity.
+    #[arg(long, value_enum, help_heading = "Two models")]
+    misses: Option<Missed>,
+    /// Take a mesh's detail from meshes of the same name only.
+    #[arg(long, help_heading = "Two models")]
+    by_name: bool,
+    #[command(flatten)]
+    recovering: Recovering,
     #[command(flatten)]
     computed: Computed,
 }
 
-/// Correspondences.
+/// What stands in for a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Map {
-    /// The inverse geometric texture.
-    UvMatch,
+enum Missed {
+    /// Nothing: the texel is transparent.
+    Blank,
+    /// The closest point.
+    Proximity,
+    /// What neighbours have.
+    Fill,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -98,53 +123,126 @@ enum Format {
     Exr,
 }
 
-/// A bar that hears how a bake goes.
-struct Heard(Bar);
-
-impl Progress for Heard {
-    fn at(&self, stage: &'static str, subject: &str, done: usize, of: usize) {
-        self.0
-            .at(&format!("{stage}: {subject}"), done as u64, of as u64);
-    }
+/// When stages ended.
+struct Stages {
+    start: Instant,
+    prepared: Duration,
+    baked: Duration,
 }
 
 impl Bake {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
+        match &self.low {
+            None => self.run_built(common),
+            Some(low) => self.run_pair(common, low),
+        }
+    }
+
+    fn run_built(&self, common: &Common) -> Result<()> {
         let settings = self.settings()?;
         let Model::Built(built) = Model::load(&self.high)? else {
-            let reason = "this model has no inverse textures; run `invertex build` first";
-            return Err(Error::input(
-                self.high.display().to_string(),
-                "extensions",
-                reason,
-            ));
+            let reason = "this model has no inverse textures; run `invertex build` first, or name a second model to bake for";
+            let file = self.high.display().to_string();
+            return Err(Error::input(file, "extensions", reason));
         };
         let chosen = self.chosen(&built)?;
-        let heard = Heard(Bar::new(common, 1));
+        let heard = Heard::new(common);
         let start = Instant::now();
         let mut baker = Baker::new(&built, &settings, &heard)?;
         let prepared = start.elapsed();
+        let name = |k: usize| built.scene.meshes[built.meshes[k].mesh].name.as_str();
+        let stems = stems((0..built.meshes.len()).map(|k| (built.meshes[k].mesh, name(k))));
+        let instances = built.scene.instances();
         let mut all = Vec::new();
         for &k in &chosen {
-            all.push((k, baker.mesh(k, &heard)?));
+            let own = instances.iter().filter(|i| i.mesh == built.meshes[k].mesh);
+            all.push(Finished {
+                name: name(k).to_owned(),
+                stem: stems[k].clone(),
+                baked: baker.mesh(k, &heard)?,
+                places: own.map(|i| i.world.as_mat4().to_cols_array_2d()).collect(),
+            });
         }
-        let baked = start.elapsed();
-        make_folder(&self.output)?;
+        let stages = Stages {
+            start,
+            prepared,
+            baked: start.elapsed(),
+        };
         let mut report = Report::new(self.high.display().to_string(), &settings);
         report.warnings = baker.warnings.clone();
-        for (k, baked) in &all {
-            self.write_mesh(&built, *k, baked, &mut report)?;
-        }
-        if settings.over != Over::Primary {
-            self.write_glb(&built, &all, &mut report)?;
-        }
-        let ms = |d: std::time::Duration| d.as_secs_f64() * 1e3;
-        report.ms = vec![
-            ("prepare", ms(prepared)),
-            ("resample", ms(baked - prepared)),
-            ("write", ms(start.elapsed() - baked)),
-        ];
         drop(heard);
+        self.finish(common, &all, report, &stages)
+    }
+
+    fn run_pair(&self, common: &Common, low: &std::path::Path) -> Result<()> {
+        let settings = self.pair_settings()?;
+        let (high_scene, low_scene) = (scene(&self.high)?, scene(low)?);
+        let device = Device::open(common)?;
+        let heard = Heard::new(common);
+        let start = Instant::now();
+        let draw = |picture| renderer(&device, picture);
+        let mut pair = Pair::new(&high_scene, &low_scene, &settings, &draw, &heard)?;
+        let prepared = start.elapsed();
+        let names: Vec<String> = (0..pair.count()).map(|k| pair.name(k).to_owned()).collect();
+        let stems = stems(names.iter().map(String::as_str).enumerate());
+        let chosen = match &self.mesh {
+            None => (0..names.len()).collect(),
+            Some(name) => vec![mesh_named(
+                &low_scene.name,
+                names.iter().map(String::as_str),
+                name,
+            )?],
+        };
+        let mut all = Vec::new();
+        for k in chosen {
+            all.push(Finished {
+                baked: pair.bake(k, &heard)?,
+                name: names[k].clone(),
+                stem: stems[k].clone(),
+                places: vec![pair.place(k)],
+            });
+        }
+        let stages = Stages {
+            start,
+            prepared,
+            baked: start.elapsed(),
+        };
+        let files = [&self.high, &low.to_path_buf()].map(|f| f.display().to_string());
+        let mut report = Report::of_pair(files, &device.name(), &settings);
+        report.warnings = pair.warnings.clone();
+        drop(heard);
+        device.check();
+        self.finish(common, &all, report, &stages)
+    }
+
+    /// Writes everything and says so.
+    fn finish(
+        &self,
+        common: &Common,
+        all: &[Finished],
+        mut report: Report,
+        stages: &Stages,
+    ) -> Result<()> {
+        make_folder(&self.output)?;
+        let Size(size, _) = self.size;
+        let files = Files {
+            folder: self.output.clone(),
+            size,
+            floats: self.format == Format::Exr,
+        };
+        for mesh in all {
+            files.write_mesh(mesh, &mut report)?;
+        }
+        if self.over != Some(Layout::Primary) {
+            files.write_glb(all, &mut report)?;
+        }
+        report.warn_of_misses();
+        let ms = |d: Duration| d.as_secs_f64() * 1e3;
+        report.ms = vec![
+            ("prepare", ms(stages.prepared)),
+            ("resample", ms(stages.baked - stages.prepared)),
+            ("write", ms(stages.start.elapsed() - stages.baked)),
+        ];
         report
             .warnings
             .iter()
@@ -152,31 +250,74 @@ impl Bake {
         report.print(common)
     }
 
-    /// What is asked for, as far as it can be told without the model.
+    /// The mapping that was asked for.
+    fn mapping(&self, usual: Mapping) -> Result<Mapping> {
+        self.map.as_ref().map_or(Ok(usual), |text| text.parse())
+    }
+
+    /// What every bake has to know.
+    fn common_settings(&self) -> Result<(u32, Vec<BakeAttribute>)> {
+        let Size(width, height) = self.size;
+        if width != height {
+            let reason = "baked textures are square: give one number";
+            return Err(bad_option("--size", reason));
+        }
+        let attributes = self.attributes.iter().map(|text| text.parse());
+        Ok((width, attributes.collect::<Result<_>>()?))
+    }
+
+    /// What is asked for of a built file, as far as it can be told without the model.
     fn settings(&self) -> Result<BakeSettings> {
-        if self.over == Layout::Primary && self.lod.is_some() {
+        if self.over == Some(Layout::Primary) && self.lod.is_some() {
             let reason = "says nothing about --over primary, whose texture serves all levels";
             return Err(bad_option("--lod", reason));
         }
-        let Size(width, height) = self.size;
-        if width != height {
+        if self.recovering.is_given() || self.misses.is_some() || self.by_name {
+            let reason = "a second model to bake for is missing: options of detail recovery say nothing about a built file";
+            return Err(bad_option("LOW", reason));
+        }
+        let (size, attributes) = self.common_settings()?;
+        Ok(BakeSettings {
+            mapping: self.mapping(Mapping::UvMatch)?,
+            over: match self.over {
+                None | Some(Layout::Lod) => Over::Lod(self.lod.unwrap_or(1)),
+                Some(Layout::Primary) => Over::Primary,
+            },
+            attributes,
+            size,
+            samples: self.samples.unwrap_or(2),
+            padding: self.padding,
+            shown: self.computed.options()?,
+        })
+    }
+
+    /// What is asked for of two models.
+    fn pair_settings(&self) -> Result<PairSettings> {
+        if self.over.is_some() || self.lod.is_some() {
+            let option = if self.lod.is_some() {
+                "--lod"
+            } else {
+                "--over"
+            };
             return Err(bad_option(
-                "--size",
-                "baked textures are square: give one number",
+                option,
+                "says nothing about a second model: it is of built files",
             ));
         }
-        let attributes = self.attributes.iter().map(|text| text.parse());
-        Ok(BakeSettings {
-            mapping: match self.map {
-                Map::UvMatch => Mapping::UvMatch,
-            },
-            over: match self.over {
-                Layout::Lod => Over::Lod(self.lod.unwrap_or(1)),
-                Layout::Primary => Over::Primary,
-            },
-            attributes: attributes.collect::<Result<_>>()?,
-            size: width,
-            samples: self.samples,
+        let (size, attributes) = self.common_settings()?;
+        let misses = match self.misses {
+            None | Some(Missed::Proximity) => Misses::Proximity,
+            Some(Missed::Blank) => Misses::Blank,
+            Some(Missed::Fill) => Misses::Fill,
+        };
+        Ok(PairSettings {
+            mapping: self.mapping(Mapping::Normal)?,
+            recovery: self.recovering.settings(misses)?,
+            layout: self.recovering.layout(),
+            by_name: self.by_name,
+            attributes,
+            size,
+            samples: self.samples.unwrap_or(1),
             padding: self.padding,
             shown: self.computed.options()?,
         })
@@ -193,114 +334,6 @@ impl Bake {
             .map(|m| built.scene.meshes[m.mesh].name.as_str());
         Ok(vec![mesh_named(&built.scene.name, names, name)?])
     }
-
-    fn write_mesh(
-        &self,
-        built: &Built,
-        k: usize,
-        baked: &Baked,
-        report: &mut Report,
-    ) -> Result<()> {
-        let number = built.meshes[k].mesh;
-        let mesh = &built.scene.meshes[number];
-        // Two meshes may have one name.
-        let alike = |m: &invertex::asset::BuiltMesh| built.scene.meshes[m.mesh].name == mesh.name;
-        let name = match built.meshes.iter().filter(|m| alike(m)).count() {
-            1 => plain(&mesh.name),
-            _ => format!("{}_{number}", plain(&mesh.name)),
-        };
-        let Size(size, _) = self.size;
-        for texture in &baked.textures {
-            let attribute = texture.attribute.to_string();
-            let stem = format!("{name}_{}", plain(&attribute));
-            let png = encode_png(size, size, &texture.rgba8)?;
-            let mut files = vec![(format!("{stem}.png"), png)];
-            if self.format == Format::Exr {
-                files.push((
-                    format!("{stem}.exr"),
-                    encode_exr(size, size, &texture.values, None)?,
-                ));
-            }
-            for (file, bytes) in files {
-                let path = self.output.join(file);
-                write_bytes(&path, &bytes)?;
-                report
-                    .textures
-                    .push(TextureReport::new(&mesh.name, &attribute, &path, &bytes));
-            }
-        }
-        let shade = |&m: &u8| [m, m, m, 255];
-        let mask: Vec<u8> = baked.mask.iter().flat_map(shade).collect();
-        report.file(
-            &self.output.join(format!("{name}_mask.png")),
-            &encode_png(size, size, &mask)?,
-        )?;
-        let triangles = baked.low.as_ref().map(|low| low.triangles.len());
-        report.mesh(MeshReport::new(&mesh.name, triangles, baked, size));
-        Ok(())
-    }
-
-    /// The LoD with what its material can have of the textures.
-    fn write_glb(&self, built: &Built, all: &[(usize, Baked)], report: &mut Report) -> Result<()> {
-        let encoded = all
-            .iter()
-            .map(|(_, baked)| self.material(baked))
-            .collect::<Result<Vec<_>>>()?;
-        let instances = built.scene.instances();
-        let mut meshes = Vec::new();
-        for ((k, baked), textures) in all.iter().zip(&encoded) {
-            let number = built.meshes[*k].mesh;
-            let own = instances.iter().filter(|i| i.mesh == number);
-            let textures = textures.iter().map(|(place, png)| (*place, png.as_slice()));
-            meshes.extend(baked.low.as_ref().map(|mesh| TexturedMesh {
-                mesh,
-                textures: textures.collect(),
-                places: own.map(|i| i.world.as_mat4().to_cols_array_2d()).collect(),
-            }));
-        }
-        report.file(&self.output.join("baked.glb"), &encode_glb(&meshes)?)
-    }
-
-    /// The first texture for each place of a material.
-    fn material(&self, baked: &Baked) -> Result<Vec<(TexturePlace, Vec<u8>)>> {
-        let Size(size, _) = self.size;
-        let mut textures: Vec<(TexturePlace, Vec<u8>)> = Vec::new();
-        for texture in &baked.textures {
-            let free = |place: &TexturePlace| !textures.iter().any(|(p, _)| p == place);
-            if let Some(place) = place(&texture.attribute).filter(free) {
-                textures.push((place, encode_png(size, size, &texture.rgba8)?));
-            }
-        }
-        Ok(textures)
-    }
-}
-
-/// Where a material has room for an attribute.
-fn place(attribute: &BakeAttribute) -> Option<TexturePlace> {
-    match attribute {
-        BakeAttribute::Normal => Some(TexturePlace::Normal),
-        BakeAttribute::ObjectNormal | BakeAttribute::Position => None,
-        BakeAttribute::Shown(shown) => match shown.to_string().as_str() {
-            "metallic-roughness" => Some(TexturePlace::MetallicRoughness),
-            "occlusion" | "occlusion-map" => Some(TexturePlace::Occlusion),
-            "emissive" => Some(TexturePlace::Emissive),
-            _ => Some(shown)
-                .filter(|s: &&Attribute| !s.is_data())
-                .map(|_| TexturePlace::BaseColor),
-        },
-    }
-}
-
-/// A name as a part of a file's name.
-fn plain(name: &str) -> String {
-    let keep = |c: char| {
-        if c.is_alphanumeric() || "-_.".contains(c) {
-            c
-        } else {
-            '-'
-        }
-    };
-    name.chars().map(keep).collect()
 }
 
 impl Report {

@@ -4,17 +4,22 @@ use std::path::Path;
 
 use invertex::Result;
 use invertex::output::write_bytes;
-use invertex::recover::{BakeSettings, Baked, Over};
+use invertex::recover::{BakeSettings, Baked, Over, PairSettings};
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use sha2::{Digest, Sha256};
 
 use super::print::{Table, percent};
 
+/// A share of misses that is worth a warning.
+const MANY: f64 = 0.01;
+
 #[derive(Serialize)]
 pub(super) struct Report {
     file: String,
-    device: &'static str,
+    /// The model that is baked for, where there are two.
+    low: Option<String>,
+    device: String,
     mapping: &'static str,
     over: &'static str,
     lod: Option<usize>,
@@ -47,7 +52,7 @@ pub(super) struct MeshReport {
     filled_fraction: f64,
     missed_fraction: f64,
     #[serde(skip)]
-    counts: [u64; 3],
+    counts: [u64; 4],
 }
 
 #[derive(Serialize)]
@@ -75,6 +80,7 @@ impl MeshReport {
         let counts = [
             baked.filled,
             baked.missed,
+            baked.filled + baked.empty,
             u64::from(size) * u64::from(size),
         ];
         let (filled_fraction, missed_fraction) = fractions(counts);
@@ -88,10 +94,10 @@ impl MeshReport {
     }
 }
 
-/// Texels with a point of the reference, of all; texels on the surface without one, of those on it.
-fn fractions([filled, missed, all]: [u64; 3]) -> (f64, f64) {
+/// Texels with a point of the reference, of all; texels whose point was not found, of those on the surface.
+fn fractions([filled, missed, on, all]: [u64; 4]) -> (f64, f64) {
     let share = |part: u64, of: u64| part as f64 / of.max(1) as f64;
-    (share(filled, all), share(missed, filled + missed))
+    (share(filled, all), share(missed, on))
 }
 
 impl Report {
@@ -102,8 +108,9 @@ impl Report {
         };
         Report {
             file,
-            device: "cpu",
-            mapping: "uv-match",
+            low: None,
+            device: "cpu".into(),
+            mapping: settings.mapping.name(),
             over,
             lod,
             size: settings.size,
@@ -119,6 +126,36 @@ impl Report {
         }
     }
 
+    /// Of the detail of `high` on `low`.
+    pub(super) fn of_pair([high, low]: [String; 2], device: &str, settings: &PairSettings) -> Self {
+        let one = BakeSettings {
+            mapping: settings.mapping,
+            size: settings.size,
+            samples: settings.samples,
+            padding: settings.padding,
+            ..BakeSettings::default()
+        };
+        Report {
+            low: Some(low),
+            device: device.to_owned(),
+            over: "low",
+            lod: None,
+            ..Report::new(high, &one)
+        }
+    }
+
+    /// Says of each mesh what was not found, where that is much.
+    pub(super) fn warn_of_misses(&mut self) {
+        for mesh in &self.meshes {
+            if mesh.missed_fraction > MANY {
+                let (name, missed) = (&mesh.name, percent(mesh.missed_fraction));
+                self.warnings.push(format!(
+                    "mesh \"{name}\": no point of the reference was found for {missed} of its texels; its mask shows which"
+                ));
+            }
+        }
+    }
+
     /// Writes a file that is no texture.
     pub(super) fn file(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
         write_bytes(path, bytes)?;
@@ -130,7 +167,7 @@ impl Report {
     pub(super) fn mesh(&mut self, mesh: MeshReport) {
         self.meshes.push(mesh);
         let sum = |k: usize| self.meshes.iter().map(|m| m.counts[k]).sum::<u64>();
-        (self.filled_fraction, self.missed_fraction) = fractions([sum(0), sum(1), sum(2)]);
+        (self.filled_fraction, self.missed_fraction) = fractions([sum(0), sum(1), sum(2), sum(3)]);
     }
 
     pub(super) fn text(&self) -> String {

@@ -4,8 +4,10 @@
 //! usable device, 5 a comparison failed, 70 our own bug (a panic, caught here).
 
 mod ambiguous;
+mod assess;
 mod attribute;
 mod bake;
+mod bake_files;
 mod bake_report;
 mod build;
 mod compare;
@@ -25,6 +27,7 @@ mod profile_report;
 mod profile_table;
 mod progress;
 mod query;
+mod recovery;
 mod render;
 mod render_report;
 mod view;
@@ -84,6 +87,8 @@ enum Verb {
     Render(render::Render),
     /// Resample attributes of a reference into textures of a simpler surface.
     Bake(bake::Bake),
+    /// Rate the ways from a simple model's surface to a detailed one's.
+    Assess(assess::Assess),
     /// Say where fetches and time go: counts, times, memory, sweeps, heat maps.
     Profile(profile::Profile),
     /// Compare two pictures, or two folders of pictures by name.
@@ -102,6 +107,8 @@ Examples:
   invertex build model.glb -o built.glb                        LoDs and inverse texture, all in one GLB
   invertex render built.glb -o lod2.png --mode igt --lod 2     a picture of a LoD that looks like the reference
   invertex bake built.glb -o textures/ --attributes normal     the reference's detail as textures of a LoD
+  invertex bake scan.glb low.glb -o textures/ --attributes normal   a detailed model's normals as a texture of a simple one
+  invertex assess scan.glb low.glb                             which of the ways there is best
   invertex profile built.glb                                   where fetches and time go
   invertex demo report/                                        everything on the bundled model, as an HTML report
 
@@ -148,6 +155,7 @@ fn run(command: &Command) -> Result<()> {
         Verb::Query(verb) => verb.run(common),
         Verb::Render(verb) => verb.run(common),
         Verb::Bake(verb) => verb.run(common),
+        Verb::Assess(verb) => verb.run(common),
         Verb::Profile(verb) => verb.run(common),
         Verb::Compare(verb) => verb.run(common),
         Verb::Demo(verb) => verb.run(common),

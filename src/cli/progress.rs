@@ -6,6 +6,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::Common;
+use invertex::asset::Progress;
 
 /// A bar that draws only where someone can see it.
 pub(super) struct Bar(ProgressBar);
@@ -42,5 +43,21 @@ impl Bar {
 impl Drop for Bar {
     fn drop(&mut self) {
         self.0.finish_and_clear();
+    }
+}
+
+/// A bar that hears how the library's work goes.
+pub(super) struct Heard(Bar);
+
+impl Heard {
+    pub(super) fn new(common: &Common) -> Self {
+        Heard(Bar::new(common, 1))
+    }
+}
+
+impl Progress for Heard {
+    fn at(&self, stage: &'static str, subject: &str, done: usize, of: usize) {
+        self.0
+            .at(&format!("{stage}: {subject}"), done as u64, of as u64);
     }
 }

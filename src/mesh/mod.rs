@@ -4,6 +4,7 @@
 //! range, arrays of equal length or empty, floats finite.
 
 mod embedding;
+pub(crate) mod bvh;
 mod normal;
 pub mod shapes;
 mod tangent;

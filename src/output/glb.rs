@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 /// A mesh and what its material is made of.
 #[derive(Clone, Debug)]
 pub struct TexturedMesh<'a> {
-    /// With one uv set, and tangents along it.
+    /// With one uv set, and, where there are any, tangents along it.
     pub mesh: &'a Mesh,
     /// Textures as PNG, each with its place in the material.
     pub textures: Vec<(TexturePlace, &'a [u8])>,
@@ -108,7 +108,9 @@ impl Parts {
         let mut attributes = json!({"POSITION": position, "NORMAL": self.floats(&mesh.normals)});
         if let Some(uv) = mesh.uv_sets.first() {
             attributes["TEXCOORD_0"] = self.floats(uv).into();
-            attributes["TANGENT"] = self.floats(&mesh.tangents).into();
+            if !mesh.tangents.is_empty() {
+                attributes["TANGENT"] = self.floats(&mesh.tangents).into();
+            }
         }
         let indices = mesh.triangles.as_flattened();
         let bytes: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();

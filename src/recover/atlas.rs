@@ -31,6 +31,14 @@ pub(super) fn of(lod: &Lod, primary: &Primary, size: u32) -> Result<Atlas> {
     if !primary.is_seamless() {
         return Ok(artists(lod));
     }
+    boxes(lod, size)
+}
+
+/// Charts of triangles that face one way, packed.
+///
+/// # Errors
+/// As [`of`].
+pub(super) fn boxes(lod: &Lod, size: u32) -> Result<Atlas> {
     let charts = charts(lod);
     let placed = pack(&charts.boxes, size)?;
     let uv = (0..lod.triangles.len())
@@ -48,6 +56,44 @@ pub(super) fn of(lod: &Lod, primary: &Primary, size: u32) -> Result<Atlas> {
     Ok(Atlas {
         uv,
         chart: charts.of,
+    })
+}
+
+/// Each triangle a chart, half a square of its own: the trivial layout. Whatever its shape, a triangle gets a right angle.
+///
+/// # Errors
+/// As [`of`].
+pub(super) fn triangles(lod: &Lod, size: u32) -> Result<Atlas> {
+    let count = lod.triangles.len();
+    let squares = count.div_ceil(2);
+    let row = (squares as f64).sqrt().ceil().max(1.0) as usize;
+    let side = f64::from(size) / row as f64;
+    let edge = f64::from(PADDING);
+    // What is left of a square's side after its borders and the strip between the halves.
+    let leg = side - 3.5 * edge;
+    if leg < 1.0 {
+        let squares = row as u64 * row as u64;
+        return Err(Error::Capacity {
+            what: format!("texels of a texture for {count} triangles by themselves"),
+            need: squares * u64::from(4 * PADDING + 1).pow(2),
+            have: u64::from(size) * u64::from(size),
+        });
+    }
+    let uv = (0..count).map(|t| {
+        let square = [(t / 2 % row) as f64 * side, (t / 2 / row) as f64 * side];
+        let (begin, way) = if t % 2 == 0 {
+            (edge, leg)
+        } else {
+            (side - edge, -leg)
+        };
+        [[0.0, 0.0], [way, 0.0], [0.0, way]].map(|[x, y]| {
+            let texel = [square[0] + begin + x, square[1] + begin + y];
+            texel.map(|c| (c / f64::from(size)) as f32)
+        })
+    });
+    Ok(Atlas {
+        uv: uv.collect(),
+        chart: (0..count as u32).collect(),
     })
 }
 
@@ -253,6 +299,16 @@ mod tests {
         let mut stacked = atlas;
         stacked.uv[1] = stacked.uv[0];
         assert_eq!(super::tests::owners(&stacked, 64).iter().max(), Some(&2));
+    }
+
+    #[test]
+    fn triangles_by_themselves_share_no_texel() {
+        let (lod, _) = ball();
+        let atlas = triangles(&lod, 256).unwrap();
+        let owners = owners(&atlas, 256);
+        assert_eq!(owners.iter().max(), Some(&1));
+        assert!(owners.iter().filter(|&&o| o == 1).count() > 256 * 256 / 8);
+        assert!(triangles(&lod, 64).is_err());
     }
 
     #[test]

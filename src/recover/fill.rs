@@ -5,25 +5,60 @@ use rayon::prelude::*;
 /// Texels with a value spread into those without, one texel a round for `rounds` rounds; the first neighbour counts, left,
 /// right, above, below.
 pub(super) fn spread<T: Copy + Send + Sync>(
-    mut known: Vec<Option<T>>,
+    known: Vec<Option<T>>,
     size: u32,
     rounds: u32,
 ) -> Vec<Option<T>> {
+    spread_but(known, size, rounds, &|_| false)
+}
+
+/// Likewise, but into no texel that is `closed`.
+pub(super) fn spread_but<T: Copy + Send + Sync>(
+    mut known: Vec<Option<T>>,
+    size: u32,
+    rounds: u32,
+    closed: &(dyn Fn(usize) -> bool + Sync),
+) -> Vec<Option<T>> {
     let size = size as usize;
-    for _ in 0..rounds {
-        let grown = (0..known.len()).into_par_iter().map(|at| {
-            let (x, y) = (at % size, at / size);
-            let near = [
-                (x > 0).then(|| at - 1),
-                (x + 1 < size).then_some(at + 1),
-                (y > 0).then(|| at - size),
-                (y + 1 < size).then_some(at + size),
-            ];
-            known[at].or_else(|| near.into_iter().flatten().find_map(|n| known[n]))
-        });
-        known = grown.collect();
+    // The first round looks at all texels, later ones at the neighbours of those that the round before has filled.
+    let mut open: Vec<usize> = Vec::new();
+    for round in 0..rounds {
+        if round == 0 {
+            let empty = (0..known.len()).into_par_iter();
+            open = empty
+                .filter(|&at| known[at].is_none() && !closed(at))
+                .filter(|&at| near(at, size, known.len()).any(|n| known[n].is_some()))
+                .collect();
+        }
+        let value = |&at: &usize| {
+            let first = near(at, size, known.len()).find_map(|n| known[n]);
+            (at, first)
+        };
+        let filled: Vec<(usize, Option<T>)> = open.par_iter().map(value).collect();
+        filled.iter().for_each(|&(at, value)| known[at] = value);
+        let mut next: Vec<usize> = open
+            .iter()
+            .flat_map(|&at| near(at, size, known.len()))
+            .filter(|&n| known[n].is_none() && !closed(n))
+            .collect();
+        next.sort_unstable();
+        next.dedup();
+        open = next;
     }
     known
+}
+
+/// The texels left, right, above and below, as far as there are any.
+fn near(at: usize, size: usize, count: usize) -> impl Iterator<Item = usize> {
+    let (x, left) = (at % size, at.wrapping_sub(1));
+    [
+        (x > 0).then_some(left),
+        (x + 1 < size).then_some(at + 1),
+        (at >= size).then(|| at - size),
+        (at + size < count).then_some(at + size),
+    ]
+    .into_iter()
+    .flatten()
 }
 
 #[cfg(test)]
@@ -40,6 +75,29 @@ mod tests {
                 let away = (at % 7).abs_diff(3) + (at / 7).abs_diff(3);
                 assert_eq!(texel.is_some(), away <= rounds as usize);
             }
+        }
+    }
+
+    /// By definition: each round looks at every texel.
+    #[test]
+    fn rounds_by_frontier_are_rounds_over_all_texels() {
+        let size = 23;
+        let mut known: Vec<Option<usize>> = vec![None; size * size];
+        for k in 0..30 {
+            known[(k * 97 + k * k * 31) % (size * size)] = Some(k);
+        }
+        let closed = |at: usize| at % 7 == 3;
+        let mut slow = known.clone();
+        for rounds in 0..6 {
+            assert_eq!(
+                spread_but(known.clone(), size as u32, rounds, &closed),
+                slow
+            );
+            let round = |at: usize| {
+                let first = || near(at, size, slow.len()).find_map(|n| slow[n]);
+                slow[at].or_else(|| if closed(at) { None } else { first() })
+            };
+            slow = (0..slow.len()).map(round).collect();
         }
     }
 }

@@ -1,23 +1,53 @@
 //! Detail recovery: attributes of a reference resampled into textures of a simplified surface, offline.
 //!
-//! In: a built model, what is wanted of it and over which surface. Out: [`Baked`]: a texture for each attribute, and how
-//! much of it could be filled. The correspondence so far is [`Mapping::UvMatch`], the inverse geometric texture itself.
+//! In: a built model, what is wanted of it and over which surface ([`Baker`]); or two models that share nothing but space
+//! ([`Pair`]). Out: [`Baked`]: a texture for each attribute, and how much of it could be filled. Which point of the reference
+//! a texel stands for is a [`Mapping`].
 //!
 //! ```text
-//! LoD -> atlas -> texel.rs: triangle and barycentrics of a sample -\
-//! primary -> address.rs: T3 point of a sample -----------------------> lookup -> attribute/ -> mean -> fill.rs: gutter
+//! built   LoD -> atlas -> texel.rs -> lookup ---------------------\
+//!         primary -> address.rs: T3 point -> lookup ----------------> resample.rs: attribute/ -> mean -> fill.rs: gutter
+//! pair    low -> laid.rs: uv, world -> texel.rs -> find.rs: point --/
+//!                  probe.rs -> visible.rs: directions -^
 //! ```
+//!
+//! The mappings of a pair are those of Tarini, Cignoni and Scopigno, *Visibility Based Methods and Assessment for
+//! Detail-Recovery* (IEEE Visualization 2003); `find.rs` has the rays, `visible.rs` the directions, `continuity.rs` the
+//! neighbours of texels across seams that the paper leaves open.
 
 mod address;
 mod atlas;
 mod bake;
+mod choose;
+mod continuity;
 mod conventional;
 mod fill;
+mod find;
+mod high;
+mod laid;
 mod low;
+mod mapping;
+mod pair;
+mod probe;
+mod resample;
 mod source;
+mod standing;
 mod surface;
 mod texel;
+mod visible;
 
-pub use bake::{BakeSettings, Baked, BakedTexture, Baker, Mapping, Over};
+pub(crate) use continuity::{Links, centres};
+pub(crate) use find::{Finder, Search};
+pub(crate) use high::High;
+pub(crate) use laid::Laid;
+pub(crate) use pair::{lay, meet, reach};
+pub(crate) use probe::spread;
+pub(crate) use visible::{Field, fields};
+
+pub use bake::{BakeSettings, Baked, BakedTexture, Baker, Over};
 pub use conventional::stage_baked;
+pub use laid::UvLayout;
+pub use mapping::{Mapping, Misses, Probes, Recovery};
+pub use pair::{Pair, PairSettings};
+pub use probe::Draw;
 pub use source::BakeAttribute;

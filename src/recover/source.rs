@@ -4,6 +4,8 @@
 //! into 8 bits.
 
 use super::low::{ROWS, UPRIGHT, into_frame};
+use super::standing::Standing;
+use crate::asset::Progress;
 use crate::attribute::arithmetic::{V3, unit3};
 use crate::attribute::surface::{Frame, SurfacePoint};
 use crate::attribute::{Attribute, AttributeSet, Factor, Shown, ShownOptions, attributes_showing};
@@ -92,8 +94,38 @@ pub(super) struct Low<'a> {
 }
 
 impl Source {
+    /// Makes all attributes ready; also what was replaced on the way.
+    pub(super) fn all(
+        scene: &Scene,
+        attributes: &[BakeAttribute],
+        options: &ShownOptions,
+        progress: &dyn Progress,
+    ) -> Result<(Vec<Source>, Vec<String>)> {
+        if attributes.is_empty() {
+            let reason = "none is named".into();
+            return Err(Error::Option {
+                option: "--attributes",
+                reason,
+            });
+        }
+        let (mut sources, mut warnings) = (Vec::new(), Vec::new());
+        for attribute in attributes {
+            let name = attribute.to_string();
+            let heard = |done: usize, of: usize| progress.at("attribute", &name, done, of);
+            let (source, told) = Source::new(scene, attribute, options, &heard)?;
+            sources.push(source);
+            warnings.extend(told);
+            if progress.cancelled() {
+                return Err(Error::Cancelled);
+            }
+        }
+        warnings.sort();
+        warnings.dedup();
+        Ok((sources, warnings))
+    }
+
     /// Makes `attribute` ready; also what was replaced on the way.
-    pub(super) fn new(
+    fn new(
         scene: &Scene,
         attribute: &BakeAttribute,
         options: &ShownOptions,
@@ -114,10 +146,28 @@ impl Source {
         Ok((source, warnings))
     }
 
-    /// From now on points are those of mesh `number`; the number of its first triangle.
-    pub(super) fn take(&mut self, mesh: &Mesh, number: usize) -> Result<u32> {
+    /// From now on points are those of mesh `number`.
+    pub(super) fn take(&mut self, mesh: &Mesh, number: usize) -> Result<()> {
         self.base = self.set.push_mesh_of_scene(mesh, number)?;
-        Ok(self.base)
+        Ok(())
+    }
+
+    /// From now on points are those of these meshes, in one run.
+    pub(super) fn take_all(&mut self, meshes: &[Standing]) -> Result<()> {
+        for (k, standing) in meshes.iter().enumerate() {
+            let first = self
+                .set
+                .push_mesh_of_scene(&standing.mesh, standing.number)?;
+            if k == 0 {
+                self.base = first;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether textures are sampled.
+    pub(super) fn has_textures(&self) -> bool {
+        !self.set.textures.texels.is_empty()
     }
 
     /// Whether values are linear light, written as sRGB.
@@ -136,16 +186,16 @@ impl Source {
         )
     }
 
-    /// The value at a point whose triangle counts from the mesh's first; directions and positions as they are.
+    /// The value at a point whose triangle, with these corners, counts from the first one taken; directions and positions
+    /// as they are.
     pub(super) fn at(
         &self,
         decode: &[f32],
-        mesh: &Mesh,
+        corners: &[V3; 3],
         point: &SurfacePoint,
         low: Option<&Low>,
     ) -> [f32; 4] {
         if self.attribute == BakeAttribute::Position {
-            let corners = mesh.corners(point.triangle as usize);
             let [x, y, z] = [0, 1, 2].map(|i| (0..3).map(|k| point.b[k] * corners[k][i]).sum());
             return [x, y, z, 1.0];
         }

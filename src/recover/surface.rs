@@ -1,10 +1,10 @@
-//! The surface that textures are baked for, and the reference's point under each sample of it.
+//! The surfaces that a built model's textures are baked for, and the reference's point under each sample of them.
 //!
 //! In: a built mesh, what textures are laid out over. Out: for a sample of a texel its point of the reference, which has no
 //! triangle where the tables know none.
 
-use super::bake::{BakeSettings, Over};
 use super::low::unwrapped;
+use super::resample::{BAND, Band, Fineness, Sample, Surface};
 use super::source::Low;
 use super::{address, atlas, texel};
 use crate::Result;
@@ -16,93 +16,86 @@ use crate::mesh::Mesh;
 use crate::render::{Drawn, inverse_at, level_zero};
 use std::ops::Range;
 
-/// Rows of texels in a band.
-pub(super) const BAND: u32 = 16;
-
-/// The surface that is baked for.
-pub(super) struct Surface<'a> {
+/// A LoD, cut along its atlas.
+pub(super) struct OverLod<'a> {
     built: &'a BuiltMesh,
-    pub(super) reference: &'a Mesh,
-    /// None over the primary. The LoD cut along its atlas, and the LoD.
-    pub(super) low: Option<(Mesh, Lod)>,
-    /// Triangles of the LoD that reach into each band.
+    reference: &'a Mesh,
+    pub(super) low: Mesh,
+    lod: Lod,
+    tiles: Tiles,
+}
+
+/// Triangles that reach into each band of a texture, and how fine it is.
+pub(super) struct Tiles {
     bands: Vec<Vec<u32>>,
+    fineness: Fineness,
 }
 
-/// A sample that lies on the surface.
-pub(super) struct Sample<'a> {
-    pub(super) point: Option<SurfacePoint>,
-    pub(super) low: Option<Low<'a>>,
+/// Which triangle owns each sample of some rows of texels.
+pub(super) struct Owners {
+    /// Samples along a side.
+    pub(super) size: u32,
+    first_row: u32,
+    owner: Vec<u32>,
 }
 
-impl<'a> Surface<'a> {
+impl Tiles {
+    pub(super) fn new(low: &Mesh, fineness: Fineness) -> Tiles {
+        let fine = fineness.size * fineness.samples;
+        Tiles {
+            bands: texel::bands(low, fine, BAND * fineness.samples),
+            fineness,
+        }
+    }
+
+    pub(super) fn owners(&self, low: &Mesh, rows: &Range<u32>) -> Owners {
+        let Fineness { size, samples, .. } = self.fineness;
+        let band = &self.bands[(rows.start / BAND) as usize];
+        let fine = rows.start * samples..rows.end * samples;
+        Owners {
+            size: size * samples,
+            first_row: fine.start,
+            owner: texel::owners(low, band.iter().copied(), size * samples, fine),
+        }
+    }
+}
+
+impl Owners {
+    /// The triangle that owns a sample.
+    pub(super) fn of(&self, [x, y]: [u32; 2]) -> Option<usize> {
+        let t = self.owner[((y - self.first_row) * self.size + x) as usize];
+        (t != u32::MAX).then_some(t as usize)
+    }
+}
+
+impl<'a> OverLod<'a> {
     pub(super) fn new(
         built: &'a BuiltMesh,
         reference: &'a Mesh,
-        settings: &BakeSettings,
+        level: usize,
+        fineness: Fineness,
     ) -> Result<Self> {
-        let mut surface = Surface {
+        let lod = match level {
+            0 => level_zero(reference, &built.tables, &built.triangle_layer),
+            k => built.lods[k - 1].clone(),
+        };
+        let atlas = atlas::of(&lod, &built.tables.primary, fineness.size)?;
+        let low = unwrapped(reference, &lod, &atlas);
+        Ok(OverLod {
+            tiles: Tiles::new(&low, fineness),
             built,
             reference,
-            low: None,
-            bands: Vec::new(),
-        };
-        if let Over::Lod(level) = settings.over {
-            let lod = match level {
-                0 => level_zero(reference, &built.tables, &built.triangle_layer),
-                k => built.lods[k - 1].clone(),
-            };
-            let atlas = atlas::of(&lod, &built.tables.primary, settings.size)?;
-            let low = unwrapped(reference, &lod, &atlas);
-            let fine = settings.size * settings.samples;
-            surface.bands = texel::bands(&low, fine, BAND * settings.samples);
-            surface.low = Some((low, lod));
-        }
-        Ok(surface)
-    }
-
-    /// Which triangle of the LoD owns each sample of some rows of texels.
-    pub(super) fn owners(&self, rows: &Range<u32>, size: u32, samples: u32) -> Vec<u32> {
-        let Some((low, _)) = &self.low else {
-            return Vec::new();
-        };
-        let band = &self.bands[(rows.start / BAND) as usize];
-        let rows = rows.start * samples..rows.end * samples;
-        texel::owners(low, band.iter().copied(), size * samples, rows)
-    }
-
-    pub(super) fn sample(
-        &self,
-        fine: [u32; 2],
-        size: u32,
-        rows: &Range<u32>,
-        samples: u32,
-        owners: &[u32],
-    ) -> Option<Sample<'_>> {
-        let Some((low, lod)) = &self.low else {
-            return Some(Sample {
-                point: Some(self.at_address(fine, size)?),
-                low: None,
-            });
-        };
-        let row = fine[1] - rows.start * samples;
-        let t = owners[(row * size + fine[0]) as usize];
-        (t != u32::MAX).then(|| self.on_lod(low, lod, t as usize, fine, size))
+            low,
+            lod,
+        })
     }
 
     /// The point of a sample on triangle `t` of the LoD.
-    fn on_lod<'b>(
-        &self,
-        low: &'b Mesh,
-        lod: &Lod,
-        t: usize,
-        at: [u32; 2],
-        size: u32,
-    ) -> Sample<'b> {
-        let corners = texel::corners(low, t, size);
+    fn at(&self, t: usize, at: [u32; 2], size: u32) -> Sample<'_> {
+        let corners = texel::corners(&self.low, t, size);
         let centre = at.map(|c| f64::from(c) + 0.5);
         let b = |dx: f64, dy: f64| texel::barycentric(&corners, [centre[0] + dx, centre[1] + dy]);
-        let t3 = lod.triangles[t].map(|v| lod.t3[v as usize]);
+        let t3 = self.lod.triangles[t].map(|v| self.lod.t3[v as usize]);
         let line = self.built.tables.primary.line();
         let here = b(0.0, 0.0).unwrap_or([1.0, 0.0, 0.0]);
         let drawn = Drawn {
@@ -111,23 +104,98 @@ impl<'a> Surface<'a> {
             by: b(0.0, 1.0),
             local: 0,
             vertex: [0; 3],
-            asker: Asker::of(line, &t3, lod.triangle_layer.get(t).copied()).word(),
+            asker: Asker::of(line, &t3, self.lod.triangle_layer.get(t).copied()).word(),
         };
+        let point = inverse_at(&self.built.tables, 0, &t3.map(four), &drawn).point;
         Sample {
-            point: inverse_at(&self.built.tables, 0, &t3.map(four), &drawn).point,
+            missed: point.is_none(),
+            point,
             low: Some(Low {
-                mesh: low,
-                corners: low.triangles[t],
+                mesh: &self.low,
+                corners: self.low.triangles[t],
                 b: here,
             }),
         }
     }
+}
 
+impl Surface for OverLod<'_> {
+    fn name(&self) -> &str {
+        &self.reference.name
+    }
+
+    fn band(&self, rows: Range<u32>) -> Box<dyn Band + '_> {
+        let owners = self.tiles.owners(&self.low, &rows);
+        Box::new(LodBand { of: self, owners })
+    }
+
+    fn corners(&self, triangle: u32) -> [[f32; 3]; 3] {
+        self.reference.corners(triangle as usize)
+    }
+}
+
+struct LodBand<'a> {
+    of: &'a OverLod<'a>,
+    owners: Owners,
+}
+
+impl Band for LodBand<'_> {
+    fn sample(&mut self, fine: [u32; 2]) -> Option<Sample<'_>> {
+        let t = self.owners.of(fine)?;
+        Some(self.of.at(t, fine, self.owners.size))
+    }
+}
+
+/// The primary parameterization's unit square of addresses.
+pub(super) struct OverPrimary<'a> {
+    built: &'a BuiltMesh,
+    reference: &'a Mesh,
+    /// Samples along a side.
+    size: u32,
+}
+
+impl<'a> OverPrimary<'a> {
+    pub(super) fn new(built: &'a BuiltMesh, reference: &'a Mesh, fineness: Fineness) -> Self {
+        OverPrimary {
+            built,
+            reference,
+            size: fineness.size * fineness.samples,
+        }
+    }
+}
+
+impl Surface for OverPrimary<'_> {
+    fn name(&self) -> &str {
+        &self.reference.name
+    }
+
+    fn band(&self, _: Range<u32>) -> Box<dyn Band + '_> {
+        Box::new(PrimaryBand(self))
+    }
+
+    fn corners(&self, triangle: u32) -> [[f32; 3]; 3] {
+        self.reference.corners(triangle as usize)
+    }
+}
+
+struct PrimaryBand<'a>(&'a OverPrimary<'a>);
+
+impl Band for PrimaryBand<'_> {
+    fn sample(&mut self, fine: [u32; 2]) -> Option<Sample<'_>> {
+        Some(Sample {
+            point: Some(self.0.at_address(fine)?),
+            missed: false,
+            low: None,
+        })
+    }
+}
+
+impl OverPrimary<'_> {
     /// The point with the address of a sample.
-    fn at_address(&self, at: [u32; 2], size: u32) -> Option<SurfacePoint> {
+    fn at_address(&self, at: [u32; 2]) -> Option<SurfacePoint> {
         let primary = &self.built.tables.primary;
         let (line, flat) = (primary.line(), layout::is_flat(primary));
-        let middle = |c: u32, by: f64| (f64::from(c) + 0.5 + by) / f64::from(size);
+        let middle = |c: u32, by: f64| (f64::from(c) + 0.5 + by) / f64::from(self.size);
         let point = |dx: f64, dy: f64| {
             four(address::point(
                 line,

@@ -1,0 +1,107 @@
+//! A tree of boxes over triangles: closest points and rays, for everything that asks where another surface is.
+//!
+//! In: triangles. Out: [`Bvh`], asked through [`Asking`], which keeps the memory of a walk between questions.
+//!
+//! The answers are those of asking every triangle, to the bit, and do not depend on the tree: equal distances go to the
+//! lowest triangle. That holds because boxes and triangles are measured by the same monotone arithmetic: a closest point
+//! is brought into its triangle's box before its distance is taken, a hit counts where its distance lies within the
+//! ray's stretch through that box. Rounding can make neither nearer than the boxes round it. Everything is `+ - * /` on
+//! `f32`, nothing contracted.
+//!
+//! ```text
+//! split.rs  binned surface area heuristic, on all cores -> wide.rs  four boxes a node, four triangles a leaf
+//! ray.rs    first hit (watertight, Woop et al. 2013)       closest.rs  closest point (Ericson 2005, 5.1.5)
+//! ```
+
+mod closest;
+mod ray;
+mod split;
+#[cfg(test)]
+mod tests;
+mod wide;
+
+pub(crate) use ray::{Ray, Sides};
+use wide::{Node, Pack};
+
+/// A point or a direction.
+type V3 = [f32; 3];
+
+/// The tree. Four children a node, up to four triangles a leaf.
+pub(crate) struct Bvh {
+    nodes: Vec<Node>,
+    packs: Vec<Pack>,
+    /// The box round all triangles; its low corner is above its high one where there are none.
+    low: V3,
+    high: V3,
+}
+
+/// A point of the triangles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Found {
+    /// Number of the triangle.
+    pub(crate) triangle: u32,
+    /// Barycentrics there.
+    pub(crate) b: [f32; 3],
+    /// The square of the distance (closest points), or how many lengths of the direction away (rays).
+    pub(crate) distance: f32,
+    /// Where the search for a neighbouring point may begin.
+    pub(crate) hint: u32,
+}
+
+/// No place to begin at.
+pub(crate) const NO_HINT: u32 = u32::MAX;
+
+/// Asks a tree, question after question.
+pub(crate) struct Asking<'a> {
+    tree: &'a Bvh,
+    stack: Vec<(f32, u32)>,
+}
+
+impl Bvh {
+    /// The tree over `triangles`, which keep their numbers.
+    pub(crate) fn new(triangles: &[[V3; 3]]) -> Bvh {
+        let split = split::split(triangles);
+        let (low, high) = split.as_ref().map_or(
+            ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]),
+            split::Branch::bounds,
+        );
+        let (nodes, packs) = wide::collapse(split, triangles);
+        Bvh {
+            nodes,
+            packs,
+            low,
+            high,
+        }
+    }
+
+    /// The diagonal of the box round all triangles; 0 without any.
+    pub(crate) fn diagonal(&self) -> f32 {
+        let side = |k: usize| (self.high[k] - self.low[k]).max(0.0);
+        let [x, y, z] = [0, 1, 2].map(side);
+        (x * x + y * y + z * z).sqrt()
+    }
+
+    /// The box round all triangles.
+    pub(crate) fn bounds(&self) -> (V3, V3) {
+        (self.low, self.high)
+    }
+
+    /// Someone who asks.
+    pub(crate) fn asking(&self) -> Asking<'_> {
+        Asking {
+            tree: self,
+            stack: Vec::with_capacity(64),
+        }
+    }
+
+    /// The largest coordinate of any corner.
+    fn largest(&self) -> f32 {
+        let all = self.low.iter().chain(&self.high);
+        all.fold(
+            0.0,
+            |m: f32, c| {
+                if c.is_finite() { m.max(c.abs()) } else { m }
+            },
+        )
+    }
+}

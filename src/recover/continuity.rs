@@ -1,0 +1,223 @@
+//! Which texels are neighbours on the surface: in the texture where they lie in one chart, across a seam where the texture
+//! ends but the surface goes on. The paper (section 3.3) leaves this open and asks for a seamless texture instead.
+//!
+//! In: a surface with texture coordinates. Out: [`Links`]: its texels, numbered, and for each the four others next to it.
+//!
+//! A step that leaves a chart is followed to the edge where it leaves, over that edge to the triangle on the other side,
+//! and half a texel further. So neighbours across a seam are as near on the surface as texels of either chart are fine.
+
+use super::laid::Laid;
+use super::texel;
+use crate::mesh::{Adjacency, NONE};
+use rayon::prelude::*;
+
+/// Steps from triangle to triangle before a neighbour is given up.
+const STEPS: usize = 32;
+/// Left, right, up, down.
+const WAYS: [[f64; 2]; 4] = [[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]];
+
+/// Texels of a surface and their neighbours.
+pub(crate) struct Links {
+    size: u32,
+    /// The place in the texture of each texel, in growing order.
+    pub(crate) texels: Vec<u32>,
+    /// Left, right, up, down of each; [`NONE`] at a border of the surface.
+    pub(crate) next: Vec<[u32; 4]>,
+    /// The triangle that owns each.
+    owner: Vec<u32>,
+    /// The number of the texel at each place of the texture.
+    number: Vec<u32>,
+}
+
+impl Links {
+    pub(crate) fn new(low: &Laid, size: u32) -> Links {
+        let all = 0..low.object.triangles.len() as u32;
+        let owners = texel::owners(&low.object, all, size, 0..size);
+        let texels: Vec<u32> = (0..owners.len() as u32)
+            .filter(|&at| owners[at as usize] != NONE)
+            .collect();
+        let mut number = vec![NONE; owners.len()];
+        for (k, &at) in texels.iter().enumerate() {
+            number[at as usize] = k as u32;
+        }
+        let welded = low.weld.triangles(&low.world.triangles);
+        let walk = Walk {
+            low,
+            size,
+            owners: &owners,
+            across: Adjacency::new(&welded).across,
+            welded,
+        };
+        let next = texels.par_iter().map(|&at| {
+            WAYS.map(|way| match walk.next(at, way) {
+                Some(place) => number[place as usize],
+                None => NONE,
+            })
+        });
+        Links {
+            next: next.collect(),
+            owner: texels.iter().map(|&at| owners[at as usize]).collect(),
+            size,
+            texels,
+            number,
+        }
+    }
+
+    /// The number of the texel at texture coordinates; [`NONE`] outside.
+    pub(crate) fn at_uv(&self, uv: [f32; 2]) -> u32 {
+        let size = self.size as f32;
+        let [x, y] = uv.map(|c| (c * size).clamp(0.0, size - 1.0) as usize);
+        self.number[y * self.size as usize + x]
+    }
+}
+
+impl Links {
+    /// The number of the texel beside texel `k` (left, right, up, down) if it lies beside it in the texture too.
+    pub(crate) fn in_chart(&self, k: usize, way: usize) -> Option<usize> {
+        let next = *self.texels.get(self.next[k][way] as usize)?;
+        let [x, y] = WAYS[way];
+        let beside = i64::from(self.texels[k]) + x as i64 + y as i64 * i64::from(self.size);
+        (i64::from(next) == beside).then(|| self.next[k][way] as usize)
+    }
+}
+
+/// For each texel the triangle that owns it and where in it the texel's middle lies.
+pub(crate) fn centres(low: &Laid, links: &Links, size: u32) -> Vec<(usize, [f32; 3])> {
+    let centre = |(&at, &owner): (&u32, &u32)| {
+        let corners = texel::corners(&low.object, owner as usize, size);
+        let middle = [at % size, at / size].map(|c| f64::from(c) + 0.5);
+        let b = texel::barycentric(&corners, middle).unwrap_or([1.0, 0.0, 0.0]);
+        (owner as usize, b)
+    };
+    let texels = links.texels.par_iter().zip(&links.owner);
+    texels.map(centre).collect()
+}
+
+struct Walk<'a> {
+    low: &'a Laid,
+    size: u32,
+    owners: &'a [u32],
+    welded: Vec<[u32; 3]>,
+    across: Vec<[u32; 3]>,
+}
+
+impl Walk<'_> {
+    /// The place of the texel next to place `at`.
+    fn next(&self, at: u32, way: [f64; 2]) -> Option<u32> {
+        let centre = [at % self.size, at / self.size].map(|c| f64::from(c) + 0.5);
+        let to = [centre[0] + way[0], centre[1] + way[1]];
+        let own = self.owners[at as usize];
+        let place = self.place(to);
+        if let Some(place) = place
+            && self.chart_at(place) == Some(self.low.chart[own as usize])
+        {
+            return Some(place);
+        }
+        let (t, uv) = self.over_seam(own as usize, centre, to)?;
+        let place = self.place(uv)?;
+        (self.chart_at(place) == Some(self.low.chart[t])).then_some(place)
+    }
+
+    fn place(&self, [x, y]: [f64; 2]) -> Option<u32> {
+        let size = f64::from(self.size);
+        let inside = x >= 0.0 && y >= 0.0 && x < size && y < size;
+        inside.then(|| y as u32 * self.size + x as u32)
+    }
+
+    fn chart_at(&self, place: u32) -> Option<u32> {
+        let owner = self.owners[place as usize];
+        (owner != NONE).then(|| self.low.chart[owner as usize])
+    }
+
+    /// Follows the straight line in the texture from `from` (in triangle `t`) towards `to` until it leaves the chart; the
+    /// triangle on the other side, and a point half a texel inside it.
+    fn over_seam(&self, mut t: usize, from: [f64; 2], to: [f64; 2]) -> Option<(usize, [f64; 2])> {
+        let mut came = NONE;
+        for _ in 0..STEPS {
+            let corners = texel::corners(&self.low.object, t, self.size);
+            let k = self.leaves(&corners, t, came, from, to)?;
+            let other = self.across[t][k];
+            if other == NONE {
+                return None;
+            }
+            let next = other as usize;
+            if self.low.chart[next] != self.low.chart[t] {
+                return Some((next, self.landed(t, k, next, &corners, from, to)?));
+            }
+            (came, t) = (t as u32, next);
+        }
+        None
+    }
+
+    /// The edge by which the line leaves triangle `t`: the one it crosses farthest along.
+    fn leaves(
+        &self,
+        corners: &[[f64; 2]; 3],
+        t: usize,
+        came: u32,
+        from: [f64; 2],
+        to: [f64; 2],
+    ) -> Option<usize> {
+        let turned = cross(less(corners[1], corners[0]), less(corners[2], corners[0])).signum();
+        let mut best: Option<(f64, usize)> = None;
+        for k in 0..3 {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            let edge = less(b, a);
+            let (here, there) = (
+                cross(edge, less(from, a)) * turned,
+                cross(edge, less(to, a)) * turned,
+            );
+            // The edge that the line came in by is the one it does not leave by.
+            if there >= here || (came != NONE && self.across[t][k] == came) {
+                continue;
+            }
+            let along = here / (here - there);
+            if best.is_none_or(|(least, _)| along < least) {
+                best = Some((along, k));
+            }
+        }
+        best.map(|(_, k)| k)
+    }
+
+    /// Where the line, having crossed edge `k` of `t`, goes on in `next`: half a texel from the same edge there.
+    fn landed(
+        &self,
+        t: usize,
+        k: usize,
+        next: usize,
+        corners: &[[f64; 2]; 3],
+        from: [f64; 2],
+        to: [f64; 2],
+    ) -> Option<[f64; 2]> {
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        let (edge, way) = (less(b, a), less(to, from));
+        let share = cross(less(from, a), way) / cross(edge, way);
+        let share = share.clamp(0.0, 1.0);
+        let there = texel::corners(&self.low.object, next, self.size);
+        let corner = |v: u32| self.welded[next].iter().position(|&w| w == v);
+        let (i, j) = (
+            corner(self.welded[t][k])?,
+            corner(self.welded[t][(k + 1) % 3])?,
+        );
+        let (p, q, apex) = (there[i], there[j], there[3 - i - j]);
+        let at = [0, 1].map(|x| p[x] + (q[x] - p[x]) * share);
+        let along = less(q, p);
+        let mut inwards = [-along[1], along[0]];
+        let length = inwards[0].hypot(inwards[1]);
+        if length == 0.0 {
+            return None;
+        }
+        if cross(along, less(apex, p)) < 0.0 {
+            inwards = inwards.map(|c| -c);
+        }
+        Some([0, 1].map(|x| at[x] + inwards[x] / length * 0.5))
+    }
+}
+
+fn less(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}

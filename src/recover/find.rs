@@ -1,0 +1,168 @@
+//! From a point of the simple surface to its point of the reference.
+//!
+//! In: both surfaces, a [`Mapping`]. Out: [`Finder`], which any number of cores ask through [`Search`]. Each search keeps where
+//! it found its last point: neighbours begin there.
+
+use super::high::High;
+use super::laid::Laid;
+use super::mapping::{Mapping, Misses, Recovery};
+use super::visible::Field;
+use crate::attribute::arithmetic::{V3, add3, dot3, scale3, unit3};
+use crate::mesh::bvh::{Asking, Found, NO_HINT, Ray, Sides};
+
+/// Finds points of the reference.
+pub(crate) struct Finder<'a> {
+    pub(crate) high: &'a High,
+    pub(crate) low: &'a Laid,
+    mapping: Mapping,
+    facing: bool,
+    misses: Misses,
+    /// How far rays go, in the world's unit.
+    reach: f32,
+    /// Directions of visibility, for the mappings that need them.
+    field: Option<&'a Field>,
+}
+
+/// A search, point after point.
+pub(crate) struct Search<'a> {
+    finder: &'a Finder<'a>,
+    asking: Asking<'a>,
+    hint: u32,
+}
+
+/// What was found for a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Answer {
+    /// Triangle of the reference and barycentrics there; none where nothing is, or was asked for.
+    pub(crate) found: Option<(u32, [f32; 3])>,
+    /// The mapping itself had no answer; what stands here is what stands in for it.
+    pub(crate) missed: bool,
+}
+
+impl<'a> Finder<'a> {
+    pub(crate) fn new(
+        (high, low): (&'a High, &'a Laid),
+        mapping: Mapping,
+        recovery: &Recovery,
+        reach: f32,
+        field: Option<&'a Field>,
+    ) -> Self {
+        Finder {
+            high,
+            low,
+            mapping,
+            facing: recovery.facing,
+            misses: recovery.misses,
+            reach,
+            field,
+        }
+    }
+
+    pub(crate) fn search(&'a self) -> Search<'a> {
+        Search {
+            finder: self,
+            asking: self.high.tree.asking(),
+            hint: NO_HINT,
+        }
+    }
+
+    /// The unit normal of rays at a point.
+    fn outward(&self, t: usize, b: [f32; 3]) -> V3 {
+        let flat = || self.low.world.face_normal(t).map(|c| c as f32);
+        unit3(self.low.weighted(&self.low.outward, t, b), flat())
+    }
+
+    /// The mapping at a point.
+    fn mapping(&self, t: usize, b: [f32; 3]) -> Mapping {
+        let choice = |field: &Field| field.choice(self.low, t, b);
+        self.field.and_then(choice).unwrap_or(self.mapping)
+    }
+
+    /// The unit direction in which `mapping` looks.
+    fn direction(&self, mapping: Mapping, t: usize, b: [f32; 3], outward: V3) -> V3 {
+        let (Some(field), true) = (self.field, mapping != Mapping::Normal) else {
+            return outward;
+        };
+        let seen = field.at(self.low, t, b);
+        let weight = match mapping {
+            Mapping::HybridVertex | Mapping::HybridTexel => weight_of_normal(seen),
+            _ => 0.0,
+        };
+        let from = scale3(unit3(seen, outward), 1.0 - weight);
+        unit3(add3(from, scale3(outward, weight)), outward)
+    }
+}
+
+/// How much the normal counts beside the mean direction `seen` (the rest is the mean direction's): the standard deviation
+/// of the directions of sight, sqrt(1 - seen^2).
+///
+/// The paper gives no formula. This one has no constant to tune, is 0 where all sight comes from one direction, grows with
+/// the spread as the paper asks, and is continuous. Directions over an open hemisphere, weighted by the area they see, have
+/// the mean 2/3 n and the weight 0.745; there both vectors agree, so the weight matters in hollows alone.
+pub(crate) fn weight_of_normal(seen: V3) -> f32 {
+    (1.0 - dot3(seen, seen)).max(0.0).sqrt()
+}
+
+impl Search<'_> {
+    /// What the point at barycentrics `b` of triangle `t` of the simple surface stands for.
+    pub(crate) fn at(&mut self, t: usize, b: [f32; 3]) -> Answer {
+        let finder = self.finder;
+        let p = finder.low.point(t, b);
+        let outward = finder.outward(t, b);
+        let mapping = finder.mapping(t, b);
+        let facing = finder.facing.then_some(outward);
+        let mut found = match mapping {
+            Mapping::Proximity => self.closest(p, facing),
+            Mapping::Cage => self.inwards(p, outward),
+            _ => self.both_ways(p, finder.direction(mapping, t, b, outward)),
+        };
+        if found.is_none() && finder.mapping == Mapping::Auto {
+            // What was best at the middle of a texel may miss beside it.
+            found = self.closest(p, facing);
+        }
+        if let Some(found) = found {
+            self.hint = found.hint;
+        }
+        let missed = found.is_none();
+        let found = found.or_else(|| {
+            let stands_in = finder.misses == Misses::Proximity;
+            stands_in.then(|| self.closest(p, None)).flatten()
+        });
+        Answer {
+            found: found.map(|f| (f.triangle, f.b)),
+            missed,
+        }
+    }
+
+    fn closest(&mut self, p: V3, facing: Option<V3>) -> Option<Found> {
+        self.asking.closest(p, f32::INFINITY, facing, self.hint)
+    }
+
+    fn ray(&mut self, begin: V3, way: V3, reach: f32, sides: Sides) -> Option<Found> {
+        let sides = if self.finder.facing {
+            sides
+        } else {
+            Sides::Both
+        };
+        self.asking.first(Ray {
+            begin,
+            way,
+            reach,
+            sides,
+        })
+    }
+
+    /// Outwards first: what lies over the surface hides what lies under it.
+    fn both_ways(&mut self, p: V3, way: V3) -> Option<Found> {
+        let reach = self.finder.reach;
+        self.ray(p, way, reach, Sides::Back)
+            .or_else(|| self.ray(p, scale3(way, -1.0), reach, Sides::Front))
+    }
+
+    /// From outside the cage to as far inside.
+    fn inwards(&mut self, p: V3, outward: V3) -> Option<Found> {
+        let reach = self.finder.reach;
+        let begin = add3(p, scale3(outward, reach));
+        self.ray(begin, scale3(outward, -1.0), 2.0 * reach, Sides::Front)
+    }
+}

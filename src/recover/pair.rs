@@ -1,0 +1,365 @@
+//! Detail recovery between two models that share nothing but space.
+//!
+//! In: a detailed scene, a simple one, [`PairSettings`]. Out: [`Pair`], whose meshes are baked one after the other.
+
+use super::bake::Baked;
+use super::find::{Finder, Search};
+use super::high::High;
+use super::laid::{Laid, UvLayout};
+use super::mapping::{Mapping, Misses, Recovery};
+use super::probe::Draw;
+use super::resample::{Band, Fineness, Sample, Surface, resample};
+use super::source::{BakeAttribute, Low, Source};
+use super::standing::standing;
+use super::surface::{Owners, Tiles};
+use super::texel;
+use super::visible::{Field, fields};
+use crate::asset::Progress;
+use crate::attribute::ShownOptions;
+use crate::attribute::arithmetic::{V3, dot3, sub3};
+use crate::attribute::surface::SurfacePoint;
+use crate::mesh::Mesh;
+use crate::mesh::bvh::NO_HINT;
+use crate::scene::Scene;
+use crate::{Error, Result};
+use std::ops::Range;
+
+/// How much farther than the largest distance found rays go.
+const FARTHER: f32 = 2.0;
+
+/// What is baked, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairSettings {
+    /// Which point of the reference a texel stands for.
+    pub mapping: Mapping,
+    /// How it is looked for.
+    pub recovery: Recovery,
+    /// Where texture coordinates come from.
+    pub layout: UvLayout,
+    /// Whether a mesh takes its detail only from meshes of the same name.
+    pub by_name: bool,
+    /// One texture for each.
+    pub attributes: Vec<BakeAttribute>,
+    /// Texels along each side, 16 to 8192.
+    pub size: u32,
+    /// Samples along each side of a texel, 1 to 8: their mean is the texel.
+    pub samples: u32,
+    /// Texels that borders grow by, 0 to 256.
+    pub padding: u32,
+    /// Of attributes that are computed.
+    pub shown: ShownOptions,
+}
+
+impl Default for PairSettings {
+    fn default() -> Self {
+        PairSettings {
+            mapping: Mapping::Normal,
+            recovery: Recovery::default(),
+            layout: UvLayout::default(),
+            by_name: false,
+            attributes: vec![BakeAttribute::Normal],
+            size: 1024,
+            samples: 1,
+            padding: 8,
+            shown: ShownOptions::default(),
+        }
+    }
+}
+
+/// Two models made ready.
+pub struct Pair<'a> {
+    settings: &'a PairSettings,
+    sources: Vec<Source>,
+    high_scene: &'a Scene,
+    /// All of it; by name, the one that the mesh at hand takes its detail from.
+    high: High,
+    lows: Vec<Laid>,
+    fields: Vec<Option<Field>>,
+    /// What was replaced or made up on the way.
+    pub warnings: Vec<String>,
+}
+
+/// The surfaces that a scene's meshes are, each where it stands first.
+pub(crate) fn lay(low: &Scene, layout: UvLayout, size: u32) -> Result<Vec<Laid>> {
+    let mut taken = vec![false; low.meshes.len()];
+    let mut lows = Vec::new();
+    for stood in &standing(low)? {
+        if !std::mem::replace(&mut taken[stood.number], true) {
+            let rest = &low.meshes[stood.number];
+            lows.push(Laid::new(&low.name, rest, stood, layout, size)?);
+        }
+    }
+    if lows.is_empty() {
+        let reason = "the surface to bake for has no triangles";
+        return Err(Error::input(&low.name, "scene", reason));
+    }
+    Ok(lows)
+}
+
+impl<'a> Pair<'a> {
+    /// Reads textures, lays out what has no texture coordinates, looks from where surfaces are seen. `draw` makes the
+    /// renderer for that: on the processor or on a device.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for settings out of range or an attribute that the reference does not have; [`Error::Input`] for
+    /// models without triangles, texture coordinates that cannot be used, models that do not overlap in space.
+    pub fn new(
+        high_scene: &'a Scene,
+        low_scene: &Scene,
+        settings: &'a PairSettings,
+        draw: Draw,
+        progress: &dyn Progress,
+    ) -> Result<Pair<'a>> {
+        fineness(settings).check()?;
+        settings.recovery.check()?;
+        if settings.mapping == Mapping::UvMatch {
+            let reason = "uv-match needs the inverse textures of a built file, and no second model";
+            return Err(Error::Option {
+                option: "--map",
+                reason: reason.into(),
+            });
+        }
+        let lows = lay(low_scene, settings.layout, settings.size)?;
+        let high = High::new(high_scene, None)?;
+        meet(high_scene, &high, low_scene, &lows)?;
+        let (mut sources, mut warnings) =
+            Source::all(high_scene, &settings.attributes, &settings.shown, progress)?;
+        if !settings.by_name {
+            sources
+                .iter_mut()
+                .try_for_each(|s| s.take_all(&high.meshes))?;
+        }
+        warnings.extend(lows.iter().flat_map(|low| low.warnings.iter().cloned()));
+        progress.at("probes", &low_scene.name, 0, 1);
+        let all: Vec<&Laid> = lows.iter().collect();
+        let recovery = &settings.recovery;
+        let size = settings.size.min(recovery.probes.size * 2);
+        let reaches: Vec<f32> = all.iter().map(|low| reach(&high, low, recovery)).collect();
+        let both = (&high, all.as_slice());
+        let fields = fields(both, settings.mapping, recovery, &reaches, size, draw)?;
+        Ok(Pair {
+            settings,
+            sources,
+            high_scene,
+            high,
+            lows,
+            fields,
+            warnings,
+        })
+    }
+
+    /// Number of meshes to bake for.
+    pub fn count(&self) -> usize {
+        self.lows.len()
+    }
+
+    /// The name of a mesh to bake for.
+    pub fn name(&self, mesh: usize) -> &str {
+        &self.lows[mesh].object.name
+    }
+
+    /// Where a mesh stands, column-major.
+    pub fn place(&self, mesh: usize) -> [[f32; 4]; 4] {
+        self.lows[mesh].place.as_mat4().to_cols_array_2d()
+    }
+
+    /// How far rays of a mesh go, in the unit of the world: what is asked for, or twice the largest distance from the mesh's
+    /// vertices and the middles of its triangles to the reference.
+    pub fn reach(&self, mesh: usize) -> f32 {
+        reach(&self.high, &self.lows[mesh], &self.settings.recovery)
+    }
+
+    /// The textures of a mesh.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where no texel lies on the mesh, where nothing at all was found, or where no mesh of the reference
+    /// has its name; [`Error::Cancelled`].
+    pub fn bake(&mut self, mesh: usize, progress: &dyn Progress) -> Result<Baked> {
+        if self.settings.by_name {
+            self.high = High::new(self.high_scene, Some(&self.lows[mesh].object.name))?;
+            for source in &mut self.sources {
+                source.take_all(&self.high.meshes)?;
+            }
+        }
+        let low = &self.lows[mesh];
+        let Recovery { misses, .. } = self.settings.recovery;
+        let fineness = Fineness {
+            fill: misses != Misses::Blank,
+            ..fineness(self.settings)
+        };
+        let surface = OverLow {
+            finder: Finder::new(
+                (&self.high, low),
+                self.settings.mapping,
+                &self.settings.recovery,
+                self.reach(mesh),
+                self.fields[mesh].as_ref(),
+            ),
+            tiles: Tiles::new(&low.object, fineness),
+            gradients: self.sources.iter().any(Source::has_textures),
+        };
+        let baked = resample(&self.sources, &surface, fineness, progress)?;
+        let fault = |reason: &str| {
+            let element = format!("mesh \"{}\"", low.object.name);
+            Err(Error::input(&self.high_scene.name, element, reason))
+        };
+        if baked.filled + baked.empty == 0 {
+            return fault(
+                "its texture coordinates cover no texel: ask for larger textures or another layout",
+            );
+        }
+        if baked.filled == 0 {
+            return fault(
+                "no texel has a point of the reference: are rays long enough, do surfaces face the same way?",
+            );
+        }
+        Ok(Baked {
+            low: Some(low.object.clone()),
+            ..baked
+        })
+    }
+}
+
+fn fineness(settings: &PairSettings) -> Fineness {
+    Fineness {
+        size: settings.size,
+        samples: settings.samples,
+        padding: settings.padding,
+        fill: true,
+    }
+}
+
+/// How far rays go: see [`Pair::reach`].
+pub(crate) fn reach(high: &High, low: &Laid, recovery: &Recovery) -> f32 {
+    if let Some(diagonals) = recovery.reach {
+        return diagonals * high.tree.diagonal();
+    }
+    let mut asking = high.tree.asking();
+    let (mut most, mut hint) = (0.0f32, NO_HINT);
+    for t in 0..low.world.triangles.len() {
+        let corner = |k: usize| [0, 1, 2].map(|i| f32::from(u8::from(i == k)));
+        for b in [corner(0), corner(1), corner(2), [1.0 / 3.0; 3]] {
+            if let Some(found) = asking.closest(low.point(t, b), f32::INFINITY, None, hint) {
+                (most, hint) = (most.max(found.distance), found.hint);
+            }
+        }
+    }
+    // Two surfaces in one place leave room for rounding.
+    (FARTHER * most.sqrt()).max(1e-4 * high.tree.diagonal())
+}
+
+/// Refuses models whose boxes are apart by more than a tenth of the reference's diagonal.
+pub(crate) fn meet(
+    high_scene: &Scene,
+    high: &High,
+    low_scene: &Scene,
+    lows: &[Laid],
+) -> Result<()> {
+    let (low, far) = high.tree.bounds();
+    let gap = |laid: &Laid| {
+        let (a, b) = laid.world.bounds().unwrap_or(([0.0; 3], [0.0; 3]));
+        let apart = |k: usize| (a[k] - far[k]).max(low[k] - b[k]).max(0.0);
+        let [x, y, z] = [apart(0), apart(1), apart(2)];
+        (x * x + y * y + z * z).sqrt()
+    };
+    if lows
+        .iter()
+        .any(|laid| gap(laid) <= 0.1 * high.tree.diagonal())
+    {
+        return Ok(());
+    }
+    let reason = format!(
+        "does not overlap {} in space: detail is recovered between models that stand in one place",
+        high_scene.name
+    );
+    Err(Error::input(&low_scene.name, "scene", reason))
+}
+
+/// A surface whose texels are looked for in another.
+struct OverLow<'a> {
+    finder: Finder<'a>,
+    tiles: Tiles,
+    /// Whether textures are sampled, so that the size of a texel counts.
+    gradients: bool,
+}
+
+impl Surface for OverLow<'_> {
+    fn name(&self) -> &str {
+        &self.finder.low.object.name
+    }
+
+    fn band(&self, rows: Range<u32>) -> Box<dyn Band + '_> {
+        Box::new(LowBand {
+            of: self,
+            owners: self.tiles.owners(&self.finder.low.object, &rows),
+            search: self.finder.search(),
+        })
+    }
+
+    fn corners(&self, triangle: u32) -> [V3; 3] {
+        self.finder.high.corners[triangle as usize]
+    }
+}
+
+struct LowBand<'a> {
+    of: &'a OverLow<'a>,
+    owners: Owners,
+    search: Search<'a>,
+}
+
+impl Band for LowBand<'_> {
+    fn sample(&mut self, fine: [u32; 2]) -> Option<Sample<'_>> {
+        let t = self.owners.of(fine)?;
+        let low = self.of.finder.low;
+        let corners = texel::corners(&low.object, t, self.owners.size);
+        let centre = fine.map(|c| f64::from(c) + 0.5);
+        let b = texel::barycentric(&corners, centre)?;
+        let answer = self.search.at(t, b);
+        let point = answer.found.map(|(triangle, at)| {
+            let step = |dx: f64, dy: f64| {
+                let next = texel::barycentric(&corners, [centre[0] + dx, centre[1] + dy])?;
+                let way = sub3(low.point(t, next), low.point(t, b));
+                along(&self.of.corners(triangle), way)
+            };
+            let [dx, dy] = match self.of.gradients {
+                true => [step(1.0, 0.0), step(0.0, 1.0)],
+                false => [None; 2],
+            };
+            SurfacePoint {
+                triangle,
+                b: at,
+                dx,
+                dy,
+                taps: 0,
+            }
+        });
+        Some(Sample {
+            point,
+            missed: answer.missed,
+            low: Some(Low {
+                mesh: &low.world,
+                corners: low.world.triangles[t],
+                b,
+            }),
+        })
+    }
+}
+
+/// How barycentrics of a triangle change along `way`, as far as it runs in the triangle's plane.
+fn along(corners: &[V3; 3], way: V3) -> Option<[f32; 3]> {
+    let (e, f) = (sub3(corners[1], corners[0]), sub3(corners[2], corners[0]));
+    let (ee, ef, ff) = (dot3(e, e), dot3(e, f), dot3(f, f));
+    let (we, wf) = (dot3(way, e), dot3(way, f));
+    let area = ee * ff - ef * ef;
+    (area > 0.0).then(|| {
+        let (v, w) = ((we * ff - wf * ef) / area, (wf * ee - we * ef) / area);
+        [-v - w, v, w]
+    })
+}
+
+impl Pair<'_> {
+    /// The mesh of the reference that a triangle of the mapping image belongs to, and its number there.
+    pub fn triangle(&self, triangle: u32) -> (&Mesh, u32) {
+        self.high.mesh_of(triangle)
+    }
+}

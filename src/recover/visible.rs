@@ -1,0 +1,270 @@
+//! From where each place of a simple surface is seen: means of the probes' directions, section 3.3.
+//!
+//! In: surfaces, what is asked for. Out: [`Field`]: at each point of a surface the mean of the directions that see it, no
+//! longer than 1; the shorter, the more they vary.
+
+use super::choose::{CHOICES, choose};
+use super::continuity::Links;
+use super::high::High;
+use super::laid::Laid;
+use super::mapping::{Mapping, Probes, Recovery};
+use super::probe::{Draw, Probing, spread};
+use crate::Result;
+use crate::attribute::arithmetic::{V3, add3, cross3, dot3, scale3, sub3};
+use crate::mesh::NONE;
+
+/// Rounds of the filter that texels' sums are smoothed by, a texel a round.
+const ROUNDS: usize = 8;
+/// Rounds in which vertices that nothing sees take their neighbours' mean.
+const SPREAD: usize = 64;
+
+/// Mean directions over a surface.
+pub(crate) enum Field {
+    /// Of each vertex.
+    Vertices(Vec<V3>),
+    /// Of each texel of a square texture; 0 where nothing is.
+    Texels { size: u32, mean: Vec<V3> },
+    /// Of each vertex; and for each texel of a square texture which of [`CHOICES`] serves it best.
+    Choice {
+        seen: Vec<V3>,
+        size: u32,
+        choice: Vec<u8>,
+    },
+}
+
+impl Field {
+    /// The mean direction at a point, unit or shorter.
+    pub(super) fn at(&self, low: &Laid, t: usize, b: [f32; 3]) -> V3 {
+        match self {
+            Field::Vertices(of) | Field::Choice { seen: of, .. } => low.weighted(of, t, b),
+            Field::Texels { size, mean } => mean[place(*size, low.uv(t, b))],
+        }
+    }
+
+    /// The mapping that serves a point best, where that is chosen by place.
+    pub(super) fn choice(&self, low: &Laid, t: usize, b: [f32; 3]) -> Option<Mapping> {
+        match self {
+            Field::Choice { size, choice, .. } => {
+                let best = choice[place(*size, low.uv(t, b))];
+                Some(CHOICES[usize::from(best)])
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The place of texture coordinates in a square texture.
+fn place(size: u32, uv: [f32; 2]) -> usize {
+    let most = (size - 1) as f32;
+    let [x, y] = uv.map(|c| (c * size as f32).clamp(0.0, most) as usize);
+    y * size as usize + x
+}
+
+/// The fields of all surfaces for `mapping`; none for one that needs no visibility. `reaches`: of each surface's rays; `size`:
+/// texels along a side, for texels'.
+pub(crate) fn fields(
+    (high, lows): (&High, &[&Laid]),
+    mapping: Mapping,
+    recovery: &Recovery,
+    reaches: &[f32],
+    size: u32,
+    draw: Draw,
+) -> Result<Vec<Option<Field>>> {
+    let probes = &recovery.probes;
+    Ok(match mapping {
+        Mapping::VisibilityFace => some(faces(lows, probes, draw)?),
+        Mapping::VisibilityVertex | Mapping::HybridVertex => some(vertices(lows, probes, draw)?),
+        Mapping::VisibilityTexel | Mapping::HybridTexel => some(texels(lows, probes, size, draw)?),
+        Mapping::Auto => {
+            let seen = vertices(lows, probes, draw)?;
+            let choice = |(k, seen)| choose((high, lows), k, recovery, reaches[k], seen, size);
+            some(seen.into_iter().enumerate().map(choice).collect())
+        }
+        _ => lows.iter().map(|_| None).collect(),
+    })
+}
+
+fn some(fields: Vec<Field>) -> Vec<Option<Field>> {
+    fields.into_iter().map(Some).collect()
+}
+
+/// Sums of directions, and how many.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    v: V3,
+    k: f32,
+}
+
+impl Sum {
+    fn add(&mut self, direction: V3, weight: f32) {
+        self.v = add3(self.v, scale3(direction, weight));
+        self.k += weight;
+    }
+
+    fn join(&mut self, other: &Sum) {
+        self.v = add3(self.v, other.v);
+        self.k += other.k;
+    }
+
+    fn mean(&self) -> Option<V3> {
+        (self.k > 0.0).then(|| scale3(self.v, 1.0 / self.k))
+    }
+}
+
+/// Directions and how much each counts.
+pub(super) fn weighted(probes: &Probes) -> Vec<([f64; 3], f32)> {
+    let count = |d: [f64; 3]| {
+        let Some(up) = probes.upright else { return 1.0 };
+        let up = glam::DVec3::from_array(up.map(f64::from)).normalize_or(glam::DVec3::Y);
+        let sine = up.dot(glam::DVec3::from_array(d));
+        (1.0 - sine * sine) as f32
+    };
+    let all = spread(probes.directions, 0.0).into_iter();
+    all.map(|d| (d, count(d))).collect()
+}
+
+/// Counts for each surface's elements, in whole pixels or shares of them, one probe after the other: sums of few large
+/// numbers, in one order.
+fn gathered(
+    lows: &[&Laid],
+    probes: &Probes,
+    draw: Draw,
+    elements: &dyn Fn(usize) -> usize,
+    count: &mut dyn FnMut(usize, &super::probe::Seen, &mut [f32]),
+) -> Result<Vec<Vec<Sum>>> {
+    let probing = Probing::new(lows, probes, draw)?;
+    let empty = |k: usize| vec![Sum::default(); elements(k)];
+    let mut sums: Vec<Vec<Sum>> = (0..lows.len()).map(empty).collect();
+    for (direction, weight) in weighted(probes) {
+        let mut counts: Vec<Vec<f32>> = sums.iter().map(|s| vec![0.0; s.len()]).collect();
+        probing.see(direction, &mut |low, seen| {
+            count(low, &seen, &mut counts[low]);
+        })?;
+        let d = direction.map(|c| c as f32);
+        for (sums, counts) in sums.iter_mut().zip(&counts) {
+            for (sum, count) in sums.iter_mut().zip(counts).filter(|(_, c)| **c > 0.0) {
+                sum.add(d, count * weight);
+            }
+        }
+    }
+    Ok(sums)
+}
+
+/// Per face, by pixels; then at vertices, by angles.
+fn faces(lows: &[&Laid], probes: &Probes, draw: Draw) -> Result<Vec<Field>> {
+    let sums = gathered(
+        lows,
+        probes,
+        draw,
+        &|k| lows[k].world.triangles.len(),
+        &mut |_, seen, counts| counts[seen.triangle] += 1.0,
+    )?;
+    let field = |(low, sums): (&&Laid, Vec<Sum>)| {
+        let mut at = vec![Sum::default(); low.world.positions.len()];
+        for (t, sum) in sums.iter().enumerate() {
+            let Some(mean) = sum.mean() else { continue };
+            let corners = low.world.corners(t);
+            for k in 0..3 {
+                let v = low.world.triangles[t][k] as usize;
+                at[low.weld.of[v] as usize].add(mean, angle(&corners, k));
+            }
+        }
+        Field::Vertices(complete(low, at))
+    };
+    Ok(lows.iter().zip(sums).map(field).collect())
+}
+
+/// The angle of a triangle at corner `k`, radians.
+fn angle(corners: &[V3; 3], k: usize) -> f32 {
+    let (a, b) = (
+        sub3(corners[(k + 1) % 3], corners[k]),
+        sub3(corners[(k + 2) % 3], corners[k]),
+    );
+    let across = cross3(a, b);
+    dot3(across, across).sqrt().atan2(dot3(a, b))
+}
+
+/// Per vertex, by barycentrics of pixels.
+fn vertices(lows: &[&Laid], probes: &Probes, draw: Draw) -> Result<Vec<Field>> {
+    let sums = gathered(
+        lows,
+        probes,
+        draw,
+        &|k| lows[k].world.positions.len(),
+        &mut |k, seen, counts| {
+            let low = lows[k];
+            for (v, b) in low.world.triangles[seen.triangle].iter().zip(seen.b) {
+                counts[low.weld.of[*v as usize] as usize] += b.max(0.0);
+            }
+        },
+    )?;
+    let field = |(low, sums): (&&Laid, Vec<Sum>)| Field::Vertices(complete(low, sums));
+    Ok(lows.iter().zip(sums).map(field).collect())
+}
+
+/// Means of all vertices; where nothing is seen those of neighbours, and 0 where they have none either.
+fn complete(low: &Laid, mut at: Vec<Sum>) -> Vec<V3> {
+    let triangles = low.weld.triangles(&low.world.triangles);
+    for _ in 0..SPREAD {
+        let mut more: Vec<(usize, Sum)> = Vec::new();
+        for t in &triangles {
+            let mut sum = Sum::default();
+            for mean in t.iter().filter_map(|&v| at[v as usize].mean()) {
+                sum.add(mean, 1.0);
+            }
+            let empty = t.iter().filter(|&&v| at[v as usize].k == 0.0);
+            more.extend(empty.filter(|_| sum.k > 0.0).map(|&v| (v as usize, sum)));
+        }
+        if more.is_empty() {
+            break;
+        }
+        more.iter().for_each(|(v, sum)| at[*v].join(sum));
+    }
+    let mean = |v: &u32| at[*v as usize].mean().unwrap_or([0.0; 3]);
+    low.weld.of.iter().map(mean).collect()
+}
+
+/// Per texel: sums smoothed over neighbours, across seams too, and only then divided.
+fn texels(lows: &[&Laid], probes: &Probes, size: u32, draw: Draw) -> Result<Vec<Field>> {
+    let links: Vec<Links> = lows.iter().map(|low| Links::new(low, size)).collect();
+    let sums = gathered(
+        lows,
+        probes,
+        draw,
+        &|k| links[k].texels.len(),
+        &mut |k, seen, counts| {
+            let number = links[k].at_uv(lows[k].uv(seen.triangle, seen.b));
+            if number != NONE {
+                counts[number as usize] += 1.0;
+            }
+        },
+    )?;
+    let field = |(links, sums): (&Links, Vec<Sum>)| {
+        let mut mean = vec![[0.0; 3]; size as usize * size as usize];
+        for (texel, sum) in links.texels.iter().zip(smooth(links, sums)) {
+            mean[*texel as usize] = sum.mean().unwrap_or([0.0; 3]);
+        }
+        Field::Texels { size, mean }
+    };
+    Ok(links.iter().zip(sums).map(field).collect())
+}
+
+/// Each texel's sum becomes the sum of its own and its neighbours', round after round.
+fn smooth(links: &Links, mut sums: Vec<Sum>) -> Vec<Sum> {
+    use rayon::prelude::*;
+    for _ in 0..ROUNDS {
+        let joined = links.next.par_iter().zip(&sums).map(|(next, own)| {
+            let mut sum = *own;
+            for &n in next.iter().filter(|&&n| n != NONE) {
+                sum.join(&sums[n as usize]);
+            }
+            // Kept small: 5^8 would still be exact, more rounds would not.
+            Sum {
+                v: scale3(sum.v, 0.25),
+                k: sum.k * 0.25,
+            }
+        });
+        sums = joined.collect();
+    }
+    sums
+}

@@ -1,0 +1,251 @@
+//! `assess` and `bake` between two models, through the real binary: what they say, write and refuse.
+#![cfg(feature = "cli")]
+
+mod cli_support;
+mod glb;
+
+use cli_support::{Ball, Folder, Run, invertex, models};
+use std::path::Path;
+
+/// A detailed ball and a simple one.
+fn pair(folder: &Folder) -> (String, String) {
+    let ball = |rings: u32| Ball {
+        rings,
+        ..Ball::default()
+    };
+    (
+        folder.write("high.glb", &ball(40).glb()),
+        folder.write("low.glb", &ball(10).glb()),
+    )
+}
+
+fn bake(high: &str, low: &str, out: &str, more: &[&str]) -> Run {
+    let arguments = [
+        "bake", high, low, "-o", out, "--json", "--device", "cpu", "--size", "64",
+    ];
+    invertex(&[&arguments, more].concat())
+}
+
+fn assess(high: &str, low: &str, more: &[&str]) -> Run {
+    let arguments = [
+        "assess", high, low, "--json", "--device", "cpu", "--views", "12", "--rays", "32",
+        "--size", "64",
+    ];
+    invertex(&[&arguments, more].concat())
+}
+
+#[test]
+fn two_models_are_baked_with_every_mapping() {
+    let folder = Folder::new();
+    let (high, low) = pair(&folder);
+    for map in [
+        "proximity",
+        "normal",
+        "visibility-face",
+        "visibility-vertex",
+        "visibility-texel",
+        "hybrid-vertex",
+        "hybrid-texel",
+        "cage",
+        "auto",
+    ] {
+        let out = folder.at(map);
+        let more = [
+            "--map",
+            map,
+            "--attributes",
+            "normal,object-normal",
+            "--probe-size",
+            "128",
+        ];
+        let json = bake(&high, &low, &out, &more).ok().json();
+        assert_eq!(
+            (&json["mapping"], &json["over"]),
+            (&map.into(), &"low".into())
+        );
+        assert_eq!(json["low"], low.as_str());
+        let filled = json["filled_fraction"].as_f64().unwrap();
+        assert!(filled > 0.8, "{map}: {filled}");
+        let missed = json["missed_fraction"].as_f64().unwrap();
+        assert!(missed < 0.02, "{map}: {missed}");
+        for file in [
+            "ball_normal.png",
+            "ball_object-normal.png",
+            "ball_mask.png",
+            "baked.glb",
+        ] {
+            assert!(Path::new(&out).join(file).exists(), "{map}: {file}");
+        }
+    }
+    // What it wrote is a model that can be drawn, its normals those of the detailed one.
+    let draw = |model: &str, name: &str| {
+        let path = folder.at(name);
+        let more = [
+            "--mode", "normals", "--size", "160", "--device", "cpu", "--view", "30,20",
+        ];
+        invertex(&[&["render", model, "-o", &path], &more[..]].concat()).ok();
+        path
+    };
+    let baked = draw(&format!("{}/baked.glb", folder.at("normal")), "baked.png");
+    let (rich, plain) = (draw(&high, "rich.png"), draw(&low, "plain.png"));
+    let differ = |a: &str, b: &str| {
+        let json = invertex(&["compare", a, b, "--json"]).ok().json();
+        json["flip_mean"].as_f64().unwrap()
+    };
+    assert!(differ(&rich, &baked) < 0.5 * differ(&rich, &plain));
+}
+
+#[test]
+fn measures_come_for_every_mapping_and_repeat() {
+    let folder = Folder::new();
+    let (high, low) = pair(&folder);
+    let out = folder.at("maps");
+    let json = assess(
+        &high,
+        &low,
+        &["--probe-size", "64", "-o", &out, "--heat-size", "32"],
+    )
+    .ok()
+    .json();
+    let mappings = json["mappings"].as_array().unwrap();
+    assert_eq!(mappings.len(), 9);
+    for m in mappings {
+        let of = |name: &str| m[name].as_f64().unwrap();
+        assert!(of("object_space") > 0.0 && of("object_space") < 10.0, "{m}");
+        assert!(of("object_space_rms") >= of("object_space"), "{m}");
+        assert!(of("image_space") > 0.0, "{m}");
+        assert!((0.0..=1.0).contains(&of("image_space_normalized")), "{m}");
+        assert!(of("sampling_uniformity") > 0.0, "{m}");
+    }
+    assert_eq!(json["images"].as_array().unwrap().len(), 18);
+    for image in json["images"].as_array().unwrap() {
+        assert!(image::open(image.as_str().unwrap()).is_ok());
+    }
+    let again = assess(&high, &low, &["--probe-size", "64"]).ok().json();
+    assert_eq!(again["mappings"], json["mappings"]);
+    let text = invertex(&[
+        "assess",
+        &high,
+        &low,
+        "--maps",
+        "proximity,normal",
+        "--views",
+        "4",
+        "--rays",
+        "16",
+        "--size",
+        "32",
+    ]);
+    assert!(text.ok().stdout.contains("uniformity %"));
+}
+
+#[test]
+fn what_cannot_be_rated_or_baked_is_refused() {
+    let folder = Folder::new();
+    let (high, low) = pair(&folder);
+    assess(&high, &low, &["--maps", "nearest"]).fails(2, &["--maps", "proximity"]);
+    assess(&high, &low, &["--maps", "uv-match"]).fails(2, &["--maps", "built file"]);
+    invertex(&["assess", &high, &low, "--rays", "2"]).fails(2, &["--rays", "8 to 2048"]);
+    invertex(&["assess", &high, &low, "--views", "0"]).fails(2, &["--views"]);
+    assess(&high, &low, &["--upright", "0,0,0"]).fails(2, &["--upright", "0,1,0"]);
+    assess(&high, &low, &["--reach", "-1"]).fails(2, &["--reach"]);
+    assess(&high, &folder.at("none.glb"), &[]).fails(3, &["none.glb"]);
+    let out = folder.at("out");
+    for (more, code, words) in [
+        (
+            &["--attributes", "normal", "--map", "nearest"][..],
+            2,
+            &["--map", "cage"][..],
+        ),
+        (
+            &["--attributes", "normal", "--map", "uv-match"],
+            2,
+            &["--map", "built"],
+        ),
+        (&["--attributes", "normal", "--lod", "1"], 2, &["--lod"]),
+        (
+            &["--attributes", "normal", "--over", "primary"],
+            2,
+            &["--over"],
+        ),
+        (
+            &["--attributes", "normal", "--mesh", "nobody"],
+            3,
+            &["nobody", "ball"],
+        ),
+        (
+            &["--attributes", "normal", "--probes", "0"],
+            2,
+            &["--probes"],
+        ),
+    ] {
+        bake(&high, &low, &out, more).fails(code, words);
+        assert!(!Path::new(&out).exists());
+    }
+    // Options of two models say nothing about one.
+    invertex(&[
+        "bake",
+        &high,
+        "-o",
+        &out,
+        "--attributes",
+        "normal",
+        "--misses",
+        "fill",
+    ])
+    .fails(2, &["second model"]);
+    // A model of floats that are none is refused by the reader.
+    let poisoned = Ball {
+        poison: Some(f32::NAN),
+        ..Ball::default()
+    };
+    let poisoned = folder.write("nan.glb", &poisoned.glb());
+    bake(&poisoned, &low, &out, &["--attributes", "normal"]).fails(3, &["nan.glb"]);
+    bake(&high, &poisoned, &out, &["--attributes", "normal"]).fails(3, &["nan.glb"]);
+}
+
+/// The paper's Table 1 on the bunny: proximity is worst in uniformity and in normalised distance, best in plain distance.
+#[test]
+fn the_bunny_ranks_mappings_as_the_paper_does() {
+    let Some(models) = models() else {
+        println!("skipped: no shared models");
+        return;
+    };
+    let at = |name: &str| {
+        models
+            .join("stanford_bunny")
+            .join(name)
+            .display()
+            .to_string()
+    };
+    let (high, low) = (at("bunny.glb"), at("bunny_low_uv.glb"));
+    let more = [
+        "--maps",
+        "proximity,normal,visibility-vertex,hybrid-vertex",
+        "--views",
+        "64",
+        "--rays",
+        "32",
+        "--size",
+        "256",
+        "--probe-size",
+        "256",
+        "--json",
+    ];
+    let json = invertex(&[&["assess", &high, &low], &more[..]].concat());
+    let json = json.ok().json();
+    let all = json["mappings"].as_array().unwrap();
+    let (near, rays) = all.split_first().unwrap();
+    let of = |m: &serde_json::Value, name: &str| m[name].as_f64().unwrap();
+    for m in rays {
+        assert!(
+            of(near, "image_space_normalized") > of(m, "image_space_normalized"),
+            "{near} {m}"
+        );
+        assert!(of(near, "image_space") < of(m, "image_space"), "{near} {m}");
+        assert!(
+            of(near, "sampling_uniformity") > of(m, "sampling_uniformity"),
+            "{near} {m}"
+        );
+    }
+}
