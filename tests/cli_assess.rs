@@ -77,6 +77,11 @@ fn two_models_are_baked_with_every_mapping() {
             assert!(Path::new(&out).join(file).exists(), "{map}: {file}");
         }
     }
+    let out = folder.at("seen");
+    let more = ["--attributes", "normal", "--preview"];
+    bake(&high, &low, &out, &more).ok();
+    let seen = image::open(format!("{out}/preview.png")).unwrap();
+    assert_eq!((seen.width(), seen.height()), (2048, 512));
     // What it wrote is a model that can be drawn, its normals those of the detailed one.
     let draw = |model: &str, name: &str| {
         let path = folder.at(name);

@@ -103,7 +103,8 @@ pub(crate) fn srgb_encode(thresholds: &[f32], linear: f32) -> u32 {
 
 /// The 8-bit code of a value in [0, 1] that is coded already (normals, false colours).
 pub(crate) fn unit_encode(value: f32) -> u32 {
-    (value.clamp(0.0, 1.0) * 255.0 + 0.5).floor() as i32 as u32
+    // Of a number that is not negative the conversion takes the floor, without a call where processors have none.
+    (value.clamp(0.0, 1.0) * 255.0 + 0.5) as i32 as u32
 }
 
 fn srgb_to_linear(coded: f64) -> f64 {

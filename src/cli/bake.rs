@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::attribute::Computed;
 use super::bake_files::{Files, Finished, stems};
+use super::bake_preview::preview;
 use super::bake_report::Report;
 use super::device::Device;
 use super::progress::Heard;
@@ -30,8 +31,9 @@ visibility-face, visibility-vertex, visibility-texel (along the mean direction t
 hybrid-texel (between the two by how much directions vary), cage (along the normal from outside, inwards), auto (the best of
 them for each texel, by what probes see of HIGH). `invertex assess` rates them for a pair.
 
-Attributes: normal (tangent space, +Y up), object-normal, position, color (base colour, vertex colours included),
-vertex-color (COLOR_0), and all that `render --attribute` knows: occlusion, metallic-roughness, emissive, triangle-color,
+Attributes: normal (tangent space, +Y up), object-normal, position, height (over the surface along its normal; 8 bits reach
+as far as rays), mapping (the number of the triangle and two barycentrics: --format exr), color (base colour, vertex colours
+included), vertex-color (COLOR_0), and all that `render --attribute` knows: occlusion, metallic-roughness, emissive, triangle-color,
 material, part, _NAME, wood, ... and products of them.
 
 Files in OUT: MESH_ATTRIBUTE.png, MESH_mask.png (white: a point of the reference; light grey: the closest one, for a ray that
@@ -42,7 +44,7 @@ missed_fraction (texels on the surface whose point was not found, of those on it
 filled_fraction, missed_fraction; textures[]: mesh, attribute, path, sha256; files[]; ms{}; warnings[].
 
 Examples:
-  invertex bake statue.glb statue_low.glb -o textures/ --map hybrid-vertex --attributes normal,color --size 2048
+  invertex bake statue.glb statue_low.glb -o textures/ --map hybrid-vertex --attributes normal,color --size 2048 --preview
   invertex bake scan.glb low.glb -o textures/ --map proximity --attributes normal,occlusion --misses fill
   invertex bake built.glb -o textures/ --lod 2 --attributes color,normal,metallic-roughness --size 2048
   invertex bake built.glb -o textures/ --attributes occlusion,_HEAT:0..100 --format exr
@@ -87,6 +89,9 @@ pub(super) struct Bake {
     /// What texels get whose ray met nothing. Default: proximity.
     #[arg(long, value_enum, help_heading = "Two models")]
     misses: Option<Missed>,
+    /// Also write preview.png: HIGH, LOW, LOW with its textures, and how that differs from HIGH.
+    #[arg(long, help_heading = "Two models")]
+    preview: bool,
     /// Take a mesh's detail from meshes of the same name only.
     #[arg(long, help_heading = "Two models")]
     by_name: bool,
@@ -171,7 +176,7 @@ impl Bake {
         let mut report = Report::new(self.high.display().to_string(), &settings);
         report.warnings = baker.warnings.clone();
         drop(heard);
-        self.finish(common, &all, report, &stages)
+        self.finish(common, &all, report, &stages, &|_| Ok(None))
     }
 
     fn run_pair(&self, common: &Common, low: &std::path::Path) -> Result<()> {
@@ -211,17 +216,23 @@ impl Bake {
         let mut report = Report::of_pair(files, &device.name(), &settings);
         report.warnings = pair.warnings.clone();
         drop(heard);
+        let picture = |baked: &[u8]| match self.preview {
+            true => preview(&device, &high_scene, &low_scene, baked).map(Some),
+            false => Ok(None),
+        };
+        self.finish(common, &all, report, &stages, &picture)?;
         device.check();
-        self.finish(common, &all, report, &stages)
+        Ok(())
     }
 
-    /// Writes everything and says so.
+    /// Writes everything and says so. `picture` makes a preview of the surfaces' file.
     fn finish(
         &self,
         common: &Common,
         all: &[Finished],
         mut report: Report,
         stages: &Stages,
+        picture: &dyn Fn(&[u8]) -> Result<Option<Vec<u8>>>,
     ) -> Result<()> {
         make_folder(&self.output)?;
         let Size(size, _) = self.size;
@@ -230,11 +241,15 @@ impl Bake {
             size,
             floats: self.format == Format::Exr,
         };
+        let mut textures = Vec::new();
         for mesh in all {
-            files.write_mesh(mesh, &mut report)?;
+            textures.push(files.write_mesh(mesh, &mut report)?);
         }
         if self.over != Some(Layout::Primary) {
-            files.write_glb(all, &mut report)?;
+            let glb = files.write_glb(all, &textures, &mut report)?;
+            if let Some(png) = picture(&glb)? {
+                report.file(&self.output.join("preview.png"), &png)?;
+            }
         }
         report.warn_of_misses();
         let ms = |d: Duration| d.as_secs_f64() * 1e3;
@@ -272,7 +287,7 @@ impl Bake {
             let reason = "says nothing about --over primary, whose texture serves all levels";
             return Err(bad_option("--lod", reason));
         }
-        if self.recovering.is_given() || self.misses.is_some() || self.by_name {
+        if self.recovering.is_given() || self.misses.is_some() || self.by_name || self.preview {
             let reason = "a second model to bake for is missing: options of detail recovery say nothing about a built file";
             return Err(bad_option("LOW", reason));
         }

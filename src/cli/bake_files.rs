@@ -28,6 +28,9 @@ pub(super) struct Finished {
     pub(super) places: Vec<[[f32; 4]; 4]>,
 }
 
+/// The first texture, as PNG, for each place of a material.
+pub(super) type Textures = Vec<(TexturePlace, Vec<u8>)>;
+
 /// Stems for names, the number appended where two are alike.
 pub(super) fn stems<'a>(names: impl Iterator<Item = (usize, &'a str)>) -> Vec<String> {
     let all: Vec<(usize, &str)> = names.collect();
@@ -40,13 +43,18 @@ pub(super) fn stems<'a>(names: impl Iterator<Item = (usize, &'a str)>) -> Vec<St
 }
 
 impl Files {
-    /// Textures and mask of a mesh.
-    pub(super) fn write_mesh(&self, mesh: &Finished, report: &mut Report) -> Result<()> {
+    /// Textures and mask of a mesh; what its material can have of them.
+    pub(super) fn write_mesh(&self, mesh: &Finished, report: &mut Report) -> Result<Textures> {
         let (size, stem) = (self.size, &mesh.stem);
+        let mut textures = Textures::new();
         for texture in &mesh.baked.textures {
             let attribute = texture.attribute.to_string();
             let stem = format!("{stem}_{}", plain(&attribute));
             let png = encode_png(size, size, &texture.rgba8)?;
+            let free = |place: &TexturePlace| !textures.iter().any(|(p, _)| p == place);
+            if let Some(place) = place(&texture.attribute).filter(free) {
+                textures.push((place, png.clone()));
+            }
             let mut files = vec![(format!("{stem}.png"), png)];
             if self.floats {
                 let exr = encode_exr(size, size, &texture.values, None)?;
@@ -68,17 +76,18 @@ impl Files {
         )?;
         let triangles = mesh.baked.low.as_ref().map(|low| low.triangles.len());
         report.mesh(MeshReport::new(&mesh.name, triangles, &mesh.baked, size));
-        Ok(())
+        Ok(textures)
     }
 
-    /// The surfaces with what their materials can have of the textures.
-    pub(super) fn write_glb(&self, all: &[Finished], report: &mut Report) -> Result<()> {
-        let encoded = all
-            .iter()
-            .map(|mesh| self.material(&mesh.baked))
-            .collect::<Result<Vec<_>>>()?;
+    /// The surfaces with their textures; the file's bytes.
+    pub(super) fn write_glb(
+        &self,
+        all: &[Finished],
+        textures: &[Textures],
+        report: &mut Report,
+    ) -> Result<Vec<u8>> {
         let mut meshes = Vec::new();
-        for (mesh, textures) in all.iter().zip(&encoded) {
+        for (mesh, textures) in all.iter().zip(textures) {
             let textures = textures.iter().map(|(place, png)| (*place, png.as_slice()));
             meshes.extend(mesh.baked.low.as_ref().map(|low| TexturedMesh {
                 mesh: low,
@@ -86,20 +95,9 @@ impl Files {
                 places: mesh.places.clone(),
             }));
         }
-        report.file(&self.folder.join("baked.glb"), &encode_glb(&meshes)?)
-    }
-
-    /// The first texture for each place of a material.
-    fn material(&self, baked: &Baked) -> Result<Vec<(TexturePlace, Vec<u8>)>> {
-        let mut textures: Vec<(TexturePlace, Vec<u8>)> = Vec::new();
-        for texture in &baked.textures {
-            let free = |place: &TexturePlace| !textures.iter().any(|(p, _)| p == place);
-            if let Some(place) = place(&texture.attribute).filter(free) {
-                let png = encode_png(self.size, self.size, &texture.rgba8)?;
-                textures.push((place, png));
-            }
-        }
-        Ok(textures)
+        let bytes = encode_glb(&meshes)?;
+        report.file(&self.folder.join("baked.glb"), &bytes)?;
+        Ok(bytes)
     }
 }
 
@@ -107,7 +105,10 @@ impl Files {
 fn place(attribute: &BakeAttribute) -> Option<TexturePlace> {
     match attribute {
         BakeAttribute::Normal => Some(TexturePlace::Normal),
-        BakeAttribute::ObjectNormal | BakeAttribute::Position => None,
+        BakeAttribute::ObjectNormal
+        | BakeAttribute::Position
+        | BakeAttribute::Height
+        | BakeAttribute::Mapping => None,
         BakeAttribute::Shown(shown) => match shown.to_string().as_str() {
             "metallic-roughness" => Some(TexturePlace::MetallicRoughness),
             "occlusion" | "occlusion-map" => Some(TexturePlace::Occlusion),

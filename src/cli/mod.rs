@@ -8,6 +8,7 @@ mod assess;
 mod attribute;
 mod bake;
 mod bake_files;
+mod bake_preview;
 mod bake_report;
 mod build;
 mod compare;

@@ -3,8 +3,8 @@
 //! In: nothing but numbers. Out: [`Mesh`], whose invariants ([`Mesh::validate`]) every stage may rely on: indices in
 //! range, arrays of equal length or empty, floats finite.
 
-mod embedding;
 pub(crate) mod bvh;
+mod embedding;
 mod normal;
 pub mod shapes;
 mod tangent;

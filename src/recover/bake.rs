@@ -154,9 +154,22 @@ fn fineness(settings: &BakeSettings) -> Fineness {
     }
 }
 
+/// Numbers of triangles have no mean.
+pub(super) fn numbers_are_whole(attributes: &[BakeAttribute], samples: u32) -> Result<()> {
+    if samples == 1 || !attributes.contains(&BakeAttribute::Mapping) {
+        return Ok(());
+    }
+    let reason = "mapping holds numbers of triangles, which have no mean: ask for --samples 1";
+    Err(Error::Option {
+        option: "--samples",
+        reason: reason.into(),
+    })
+}
+
 /// Refuses what cannot be baked, before any work.
 fn check(built: &Built, settings: &BakeSettings) -> Result<()> {
     fineness(settings).check()?;
+    numbers_are_whole(&settings.attributes, settings.samples)?;
     let wrong = |option, reason: String| Err(Error::Option { option, reason });
     if settings.mapping != Mapping::UvMatch {
         let reason = format!(
@@ -171,6 +184,10 @@ fn check(built: &Built, settings: &BakeSettings) -> Result<()> {
             "--lod",
             format!("the model has levels 0 (the reference) to {levels}, not {level}"),
         ),
+        Over::Primary if settings.attributes.contains(&BakeAttribute::Height) => {
+            let reason = "height needs the surface of a LoD to be measured from";
+            wrong("--attributes", reason.into())
+        }
         Over::Primary if settings.attributes.contains(&BakeAttribute::Normal) => {
             let reason = "normal needs the tangents of a LoD; over the primary parameterization bake object-normal";
             wrong("--attributes", reason.into())

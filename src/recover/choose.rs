@@ -17,6 +17,7 @@ use crate::attribute::arithmetic::{V3, add3, dot3, scale3, sub3};
 use crate::mesh::NONE;
 use crate::mesh::bvh::{Asking, Bvh, Ray, Sides};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// What is chosen from; of equally good ones the first.
 pub(super) const CHOICES: [Mapping; 5] = [
@@ -35,13 +36,13 @@ const ROUNDS: usize = 2;
 /// Texels that one core works on at a time.
 const CHUNK: usize = 1024;
 
-/// The field of [`Mapping::Auto`] for one of `lows`, whose directions at vertices are `field`.
+/// The field of [`Mapping::Auto`] for one of `lows`, whose directions at vertices are `seen`.
 pub(super) fn choose(
     (high, lows): (&High, &[&Laid]),
     number: usize,
     recovery: &Recovery,
     reach: f32,
-    field: Field,
+    seen: &Arc<Field>,
     size: u32,
 ) -> Field {
     let low = lows[number];
@@ -51,7 +52,7 @@ pub(super) fn choose(
         misses: super::mapping::Misses::Blank,
         ..*recovery
     };
-    let finders = CHOICES.map(|m| Finder::new((high, low), m, &blank, reach, Some(&field)));
+    let finders = CHOICES.map(|m| Finder::new((high, low), m, &blank, reach, Some(seen)));
     let corners = lows.iter().flat_map(|low| {
         let of = |t: usize| low.world.corners(t);
         (0..low.world.triangles.len()).map(of)
@@ -81,10 +82,11 @@ pub(super) fn choose(
     for (&at, best) in links.texels.iter().zip(calmed(&links, best)) {
         choice[at as usize] = best;
     }
-    let Field::Vertices(seen) = field else {
-        return field;
-    };
-    Field::Choice { seen, size, choice }
+    Field::Choice {
+        seen: Arc::clone(seen),
+        size,
+        choice,
+    }
 }
 
 struct Sight<'a> {

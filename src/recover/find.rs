@@ -66,10 +66,13 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// The unit normal of rays at a point.
+    /// The unit normal of rays at a point; the triangle's own where normals cancel out.
     fn outward(&self, t: usize, b: [f32; 3]) -> V3 {
-        let flat = || self.low.world.face_normal(t).map(|c| c as f32);
-        unit3(self.low.weighted(&self.low.outward, t, b), flat())
+        let mean = self.low.weighted(&self.low.outward, t, b);
+        if dot3(mean, mean) > 1e-12 {
+            return unit3(mean, mean);
+        }
+        self.low.world.face_normal(t).map(|c| c as f32)
     }
 
     /// The mapping at a point.

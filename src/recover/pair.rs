@@ -2,7 +2,7 @@
 //!
 //! In: a detailed scene, a simple one, [`PairSettings`]. Out: [`Pair`], whose meshes are baked one after the other.
 
-use super::bake::Baked;
+use super::bake::{Baked, numbers_are_whole};
 use super::find::{Finder, Search};
 use super::high::High;
 use super::laid::{Laid, UvLayout};
@@ -13,7 +13,7 @@ use super::source::{BakeAttribute, Low, Source};
 use super::standing::standing;
 use super::surface::{Owners, Tiles};
 use super::texel;
-use super::visible::{Field, fields};
+use super::visible::{Field, Fields};
 use crate::asset::Progress;
 use crate::attribute::ShownOptions;
 use crate::attribute::arithmetic::{V3, dot3, sub3};
@@ -23,6 +23,7 @@ use crate::mesh::bvh::NO_HINT;
 use crate::scene::Scene;
 use crate::{Error, Result};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// How much farther than the largest distance found rays go.
 const FARTHER: f32 = 2.0;
@@ -74,7 +75,7 @@ pub struct Pair<'a> {
     /// All of it; by name, the one that the mesh at hand takes its detail from.
     high: High,
     lows: Vec<Laid>,
-    fields: Vec<Option<Field>>,
+    fields: Vec<Option<Arc<Field>>>,
     /// What was replaced or made up on the way.
     pub warnings: Vec<String>,
 }
@@ -112,6 +113,7 @@ impl<'a> Pair<'a> {
     ) -> Result<Pair<'a>> {
         fineness(settings).check()?;
         settings.recovery.check()?;
+        numbers_are_whole(&settings.attributes, settings.samples)?;
         if settings.mapping == Mapping::UvMatch {
             let reason = "uv-match needs the inverse textures of a built file, and no second model";
             return Err(Error::Option {
@@ -136,7 +138,7 @@ impl<'a> Pair<'a> {
         let size = settings.size.min(recovery.probes.size * 2);
         let reaches: Vec<f32> = all.iter().map(|low| reach(&high, low, recovery)).collect();
         let both = (&high, all.as_slice());
-        let fields = fields(both, settings.mapping, recovery, &reaches, size, draw)?;
+        let fields = Fields::new(both, recovery, &reaches, size, draw).of(settings.mapping)?;
         Ok(Pair {
             settings,
             sources,
@@ -181,6 +183,8 @@ impl<'a> Pair<'a> {
                 source.take_all(&self.high.meshes)?;
             }
         }
+        let reach = self.reach(mesh);
+        self.sources.iter_mut().for_each(|s| s.reach(reach));
         let low = &self.lows[mesh];
         let Recovery { misses, .. } = self.settings.recovery;
         let fineness = Fineness {
@@ -192,8 +196,8 @@ impl<'a> Pair<'a> {
                 (&self.high, low),
                 self.settings.mapping,
                 &self.settings.recovery,
-                self.reach(mesh),
-                self.fields[mesh].as_ref(),
+                reach,
+                self.fields[mesh].as_deref(),
             ),
             tiles: Tiles::new(&low.object, fineness),
             gradients: self.sources.iter().any(Source::has_textures),

@@ -119,6 +119,7 @@ pub(super) fn resample(
         surface,
         fineness,
         decode: &constants[..256],
+        places: sources.iter().any(Source::asks_for_places),
     };
     let count = fineness.size.div_ceil(BAND);
     let mut bands: Vec<Texels> = Vec::with_capacity(count as usize);
@@ -140,6 +141,8 @@ struct Walk<'a> {
     surface: &'a dyn Surface,
     fineness: Fineness,
     decode: &'a [f32],
+    /// Whether any source asks where points lie.
+    places: bool,
 }
 
 impl Walk<'_> {
@@ -181,7 +184,10 @@ impl Walk<'_> {
             missed += u32::from(sample.missed);
             let Some(point) = &sample.point else { continue };
             found += 1;
-            let corners = self.surface.corners(point.triangle);
+            let corners = match self.places {
+                true => self.surface.corners(point.triangle),
+                false => [[0.0; 3]; 3],
+            };
             for (source, sum) in self.sources.iter().zip(sums.iter_mut()) {
                 let value = source.at(self.decode, &corners, point, sample.low.as_ref());
                 (0..4).for_each(|i| sum[i] += value[i]);
@@ -199,16 +205,20 @@ impl Walk<'_> {
 }
 
 /// Bands joined, borders grown, what is left filled with the mean.
-fn joined(sources: &[Source], bands: Vec<Texels>, fineness: Fineness, thresholds: &[f32]) -> Baked {
-    let state: Vec<u8> = bands.iter().flat_map(|b| b.state.iter().copied()).collect();
+fn joined(
+    sources: &[Source],
+    mut bands: Vec<Texels>,
+    fineness: Fineness,
+    thresholds: &[f32],
+) -> Baked {
+    let states: Vec<&[u8]> = bands.iter().map(|b| b.state.as_slice()).collect();
+    let state = states.concat();
     let count = |wanted: u8| state.iter().filter(|&&s| s == wanted).count() as u64;
     let mut mask = Vec::new();
     let mut textures = Vec::new();
     for (k, source) in sources.iter().enumerate() {
-        let known: Vec<_> = bands
-            .iter()
-            .flat_map(|b| b.values[k].iter().copied())
-            .collect();
+        let own = bands.iter_mut().map(|b| std::mem::take(&mut b.values[k]));
+        let known = own.collect::<Vec<_>>().concat();
         let rounds = fineness.padding;
         let grown = if fineness.fill {
             fill::spread(known, fineness.size, rounds)
@@ -225,7 +235,7 @@ fn joined(sources: &[Source], bands: Vec<Texels>, fineness: Fineness, thresholds
             };
             mask = state.iter().zip(&grown).map(shade).collect();
         }
-        let mean = mean(&grown);
+        let mean = source.absent(mean(&grown));
         let values: Vec<[f32; 4]> = grown
             .into_par_iter()
             .enumerate()

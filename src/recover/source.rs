@@ -6,7 +6,7 @@
 use super::low::{ROWS, UPRIGHT, into_frame};
 use super::standing::Standing;
 use crate::asset::Progress;
-use crate::attribute::arithmetic::{V3, unit3};
+use crate::attribute::arithmetic::{V3, dot3, sub3, unit3};
 use crate::attribute::surface::{Frame, SurfacePoint};
 use crate::attribute::{Attribute, AttributeSet, Factor, Shown, ShownOptions, attributes_showing};
 use crate::mesh::Mesh;
@@ -24,6 +24,11 @@ pub enum BakeAttribute {
     ObjectNormal,
     /// The position, object space; in 8 bits from the model's low corner, its longest side being 1.
     Position,
+    /// How far the point lies over the surface that is baked for, along its normal; in 8 bits half is the surface itself.
+    Height,
+    /// The correspondence itself: the number of the reference's triangle and the barycentrics of its corners 1 and 2, -1 where
+    /// there is none. In 8 bits a colour for each triangle.
+    Mapping,
     /// Anything that pictures show in place of base colour.
     Shown(Attribute),
 }
@@ -31,12 +36,14 @@ pub enum BakeAttribute {
 impl FromStr for BakeAttribute {
     type Err = Error;
 
-    /// `normal`, `object-normal`, `position`, `color` (the base colour, vertex colours included), or an [`Attribute`].
+    /// `normal`, `object-normal`, `position`, `height`, `mapping`, `color` (the base colour, vertex colours included), or an [`Attribute`].
     fn from_str(text: &str) -> Result<Self> {
         Ok(match text.trim() {
             "normal" => BakeAttribute::Normal,
             "object-normal" => BakeAttribute::ObjectNormal,
             "position" => BakeAttribute::Position,
+            "height" => BakeAttribute::Height,
+            "mapping" => BakeAttribute::Mapping,
             "color" => BakeAttribute::Shown("base-color".parse()?),
             "vertex-color" => BakeAttribute::Shown("color".parse()?),
             other => {
@@ -65,6 +72,8 @@ impl fmt::Display for BakeAttribute {
             BakeAttribute::Normal => f.write_str("normal"),
             BakeAttribute::ObjectNormal => f.write_str("object-normal"),
             BakeAttribute::Position => f.write_str("position"),
+            BakeAttribute::Height => f.write_str("height"),
+            BakeAttribute::Mapping => f.write_str("mapping"),
             BakeAttribute::Shown(attribute) if attribute.to_string() == "base-color" => {
                 f.write_str("color")
             }
@@ -76,6 +85,9 @@ impl fmt::Display for BakeAttribute {
     }
 }
 
+/// The height that 8 bits reach where nothing else is said, in longest sides of the model.
+const STEEP: f32 = 0.05;
+
 /// An attribute made ready to be fetched.
 pub(super) struct Source {
     pub(super) attribute: BakeAttribute,
@@ -84,6 +96,8 @@ pub(super) struct Source {
     base: u32,
     /// The model's low corner and longest side.
     bounds: (V3, f32),
+    /// The height that 8 bits reach, up and down.
+    steep: f32,
 }
 
 /// Where a sample lies on the surface that is baked for.
@@ -93,7 +107,33 @@ pub(super) struct Low<'a> {
     pub(super) b: V3,
 }
 
+impl Low<'_> {
+    /// How far `there` lies over the surface, along its normal.
+    fn height(&self, there: V3) -> f32 {
+        let at = |of: &[V3]| weighted(&self.corners.map(|v| of[v as usize]), self.b);
+        let normal = unit3(at(&self.mesh.normals), [0.0, 0.0, 1.0]);
+        dot3(sub3(there, at(&self.mesh.positions)), normal)
+    }
+}
+
+fn weighted(corners: &[V3; 3], b: [f32; 3]) -> V3 {
+    [0, 1, 2].map(|i| b[0] * corners[0][i] + b[1] * corners[1][i] + b[2] * corners[2][i])
+}
+
 impl Source {
+    /// 8 bits reach this height from now on.
+    pub(super) fn reach(&mut self, height: f32) {
+        self.steep = height;
+    }
+
+    /// What a texel without a value gets where `mean` is the mean of the others.
+    pub(super) fn absent(&self, mean: [f32; 4]) -> [f32; 4] {
+        match self.attribute {
+            BakeAttribute::Mapping => [-1.0, 0.0, 0.0, 0.0],
+            _ => mean,
+        }
+    }
+
     /// Makes all attributes ready; also what was replaced on the way.
     pub(super) fn all(
         scene: &Scene,
@@ -142,6 +182,7 @@ impl Source {
             set,
             base: 0,
             bounds: bounds(scene),
+            steep: bounds(scene).1 * STEEP,
         };
         Ok((source, warnings))
     }
@@ -163,6 +204,14 @@ impl Source {
             }
         }
         Ok(())
+    }
+
+    /// Whether it matters where in space a point lies.
+    pub(super) fn asks_for_places(&self) -> bool {
+        matches!(
+            self.attribute,
+            BakeAttribute::Position | BakeAttribute::Height
+        )
     }
 
     /// Whether textures are sampled.
@@ -195,9 +244,19 @@ impl Source {
         point: &SurfacePoint,
         low: Option<&Low>,
     ) -> [f32; 4] {
-        if self.attribute == BakeAttribute::Position {
-            let [x, y, z] = [0, 1, 2].map(|i| (0..3).map(|k| point.b[k] * corners[k][i]).sum());
-            return [x, y, z, 1.0];
+        match self.attribute {
+            BakeAttribute::Position => {
+                let [x, y, z] = weighted(corners, point.b);
+                return [x, y, z, 1.0];
+            }
+            BakeAttribute::Height => {
+                let height = low.map_or(0.0, |low| low.height(weighted(corners, point.b)));
+                return [height, height, height, 1.0];
+            }
+            BakeAttribute::Mapping => {
+                return [point.triangle as f32, point.b[1], point.b[2], 1.0];
+            }
+            _ => {}
         }
         let here = SurfacePoint {
             triangle: point.triangle + self.base,
@@ -250,11 +309,21 @@ impl Source {
                     (z - low[2]) / longest,
                 ]
             }
+            BakeAttribute::Height => [x, y, z].map(|h| h / self.steep * 0.5 + 0.5),
+            BakeAttribute::Mapping if x < 0.0 => [0.0; 3],
+            BakeAttribute::Mapping => shade(x as u32),
             _ if self.is_direction() => [x, y, z].map(|c| c * 0.5 + 0.5),
             _ => [x, y, z],
         };
         [x, y, z, w]
     }
+}
+
+/// A colour for a number, none near black.
+fn shade(number: u32) -> V3 {
+    let mixed = number.wrapping_add(1).wrapping_mul(0x9e37_79b9);
+    let mixed = (mixed ^ mixed >> 15).wrapping_mul(0x85eb_ca6b);
+    [8, 16, 24].map(|shift| 0.25 + 0.75 * (mixed >> shift & 0xff) as f32 / 255.0)
 }
 
 /// Low corner and longest side of the box round all meshes.

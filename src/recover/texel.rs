@@ -36,19 +36,57 @@ pub(super) fn owners(
     let mut owner = vec![u32::MAX; size as usize * rows.len()];
     for t in triangles {
         let corners = corners(low, t as usize, size);
-        let ys = span(&corners, 1, size);
+        let Some(inside) = Inside::new(&corners) else {
+            continue;
+        };
+        let (xs, ys) = (span(&corners, 0, size), span(&corners, 1, size));
         for y in ys.start.max(rows.start)..ys.end.min(rows.end) {
-            for x in span(&corners, 0, size) {
-                let slot = &mut owner[((y - rows.start) as usize) * size as usize + x as usize];
-                let at = [x, y].map(|c| f64::from(c) + 0.5);
-                let inside = barycentric(&corners, at).is_some_and(|b| b.iter().all(|&b| b >= 0.0));
-                if inside && *slot == u32::MAX {
+            let row = (y - rows.start) as usize * size as usize;
+            for x in xs.clone() {
+                let slot = &mut owner[row + x as usize];
+                if *slot == u32::MAX && inside.holds([x, y].map(|c| f64::from(c) + 0.5)) {
                     *slot = t;
                 }
             }
         }
     }
     owner
+}
+
+/// The inside of a triangle of a texture, its rim included.
+struct Inside {
+    corner: [f64; 2],
+    /// Its other corners seen from there, one way round.
+    first: [f64; 2],
+    second: [f64; 2],
+    area: f64,
+}
+
+impl Inside {
+    /// None for a triangle without area.
+    fn new([a, b, c]: &[[f64; 2]; 3]) -> Option<Inside> {
+        let less = |p: &[f64; 2]| [p[0] - a[0], p[1] - a[1]];
+        let (first, second) = (less(b), less(c));
+        let area = first[0] * second[1] - first[1] * second[0];
+        let inside = |first, second| Inside {
+            corner: *a,
+            first,
+            second,
+            area: area.abs(),
+        };
+        match area {
+            area if area > 0.0 => Some(inside(first, second)),
+            area if area < 0.0 => Some(inside(second, first)),
+            _ => None,
+        }
+    }
+
+    fn holds(&self, at: [f64; 2]) -> bool {
+        let [x, y] = [at[0] - self.corner[0], at[1] - self.corner[1]];
+        let along = x * self.second[1] - y * self.second[0];
+        let across = self.first[0] * y - self.first[1] * x;
+        along >= 0.0 && across >= 0.0 && along + across <= self.area
+    }
 }
 
 /// For each of the bands of `height` rows the triangles that reach into it, in growing order.

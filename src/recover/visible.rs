@@ -12,6 +12,7 @@ use super::probe::{Draw, Probing, spread};
 use crate::Result;
 use crate::attribute::arithmetic::{V3, add3, cross3, dot3, scale3, sub3};
 use crate::mesh::NONE;
+use std::sync::Arc;
 
 /// Rounds of the filter that texels' sums are smoothed by, a texel a round.
 const ROUNDS: usize = 8;
@@ -26,7 +27,7 @@ pub(crate) enum Field {
     Texels { size: u32, mean: Vec<V3> },
     /// Of each vertex; and for each texel of a square texture which of [`CHOICES`] serves it best.
     Choice {
-        seen: Vec<V3>,
+        seen: Arc<Field>,
         size: u32,
         choice: Vec<u8>,
     },
@@ -36,7 +37,8 @@ impl Field {
     /// The mean direction at a point, unit or shorter.
     pub(super) fn at(&self, low: &Laid, t: usize, b: [f32; 3]) -> V3 {
         match self {
-            Field::Vertices(of) | Field::Choice { seen: of, .. } => low.weighted(of, t, b),
+            Field::Vertices(of) => low.weighted(of, t, b),
+            Field::Choice { seen, .. } => seen.at(low, t, b),
             Field::Texels { size, mean } => mean[place(*size, low.uv(t, b))],
         }
     }
@@ -60,32 +62,86 @@ fn place(size: u32, uv: [f32; 2]) -> usize {
     y * size as usize + x
 }
 
-/// The fields of all surfaces for `mapping`; none for one that needs no visibility. `reaches`: of each surface's rays; `size`:
-/// texels along a side, for texels'.
-pub(crate) fn fields(
-    (high, lows): (&High, &[&Laid]),
-    mapping: Mapping,
-    recovery: &Recovery,
-    reaches: &[f32],
+/// Fields of some surfaces, each kind made once, whichever mappings ask for it.
+pub(crate) struct Fields<'a> {
+    high: &'a High,
+    lows: &'a [&'a Laid],
+    recovery: &'a Recovery,
+    /// How far the rays of each surface go.
+    reaches: &'a [f32],
+    /// Texels along a side, for texels' directions.
     size: u32,
-    draw: Draw,
-) -> Result<Vec<Option<Field>>> {
-    let probes = &recovery.probes;
-    Ok(match mapping {
-        Mapping::VisibilityFace => some(faces(lows, probes, draw)?),
-        Mapping::VisibilityVertex | Mapping::HybridVertex => some(vertices(lows, probes, draw)?),
-        Mapping::VisibilityTexel | Mapping::HybridTexel => some(texels(lows, probes, size, draw)?),
-        Mapping::Auto => {
-            let seen = vertices(lows, probes, draw)?;
-            let choice = |(k, seen)| choose((high, lows), k, recovery, reaches[k], seen, size);
-            some(seen.into_iter().enumerate().map(choice).collect())
-        }
-        _ => lows.iter().map(|_| None).collect(),
-    })
+    draw: Draw<'a>,
+    vertices: Option<Made>,
+    texels: Option<Made>,
 }
 
-fn some(fields: Vec<Field>) -> Vec<Option<Field>> {
-    fields.into_iter().map(Some).collect()
+/// A field for each surface.
+type Made = Vec<Arc<Field>>;
+
+impl<'a> Fields<'a> {
+    pub(crate) fn new(
+        (high, lows): (&'a High, &'a [&'a Laid]),
+        recovery: &'a Recovery,
+        reaches: &'a [f32],
+        size: u32,
+        draw: Draw<'a>,
+    ) -> Fields<'a> {
+        Fields {
+            high,
+            lows,
+            recovery,
+            reaches,
+            size,
+            draw,
+            vertices: None,
+            texels: None,
+        }
+    }
+
+    /// The fields of all surfaces for `mapping`; none for one that needs no visibility.
+    pub(crate) fn of(&mut self, mapping: Mapping) -> Result<Vec<Option<Arc<Field>>>> {
+        let made = match mapping {
+            Mapping::VisibilityFace => {
+                let faces = faces(self.lows, &self.recovery.probes, self.draw)?;
+                faces.into_iter().map(Arc::new).collect()
+            }
+            Mapping::VisibilityVertex | Mapping::HybridVertex => self.vertices()?,
+            Mapping::VisibilityTexel | Mapping::HybridTexel => self.texels()?,
+            Mapping::Auto => self.choices()?,
+            _ => return Ok(vec![None; self.lows.len()]),
+        };
+        Ok(made.into_iter().map(Some).collect())
+    }
+
+    fn vertices(&mut self) -> Result<Made> {
+        if let Some(made) = &self.vertices {
+            return Ok(made.clone());
+        }
+        let fields = vertices(self.lows, &self.recovery.probes, self.draw)?;
+        let made: Made = fields.into_iter().map(Arc::new).collect();
+        self.vertices = Some(made.clone());
+        Ok(made)
+    }
+
+    fn texels(&mut self) -> Result<Made> {
+        if let Some(made) = &self.texels {
+            return Ok(made.clone());
+        }
+        let fields = texels(self.lows, &self.recovery.probes, self.size, self.draw)?;
+        let made: Made = fields.into_iter().map(Arc::new).collect();
+        self.texels = Some(made.clone());
+        Ok(made)
+    }
+
+    fn choices(&mut self) -> Result<Made> {
+        let seen = self.vertices()?;
+        let both = (self.high, self.lows);
+        let choice = |(k, seen): (usize, &Arc<Field>)| {
+            choose(both, k, self.recovery, self.reaches[k], seen, self.size)
+        };
+        Ok(seen.iter().enumerate().map(choice).map(Arc::new).collect())
+    }
 }
 
 /// Sums of directions, and how many.

@@ -23,11 +23,12 @@ pub use heat::Heat;
 
 use crate::asset::Progress;
 use crate::recover::{
-    Draw, Field, Finder, High, Laid, Mapping, Misses, Recovery, UvLayout, fields, lay, meet, reach,
+    Draw, Field, Fields, Finder, High, Laid, Mapping, Misses, Recovery, UvLayout, lay, meet, reach,
 };
 use crate::scene::Scene;
 use crate::{Error, Result};
 use heat::Gathering;
+use std::sync::Arc;
 use views::Sums;
 
 /// What is rated, and how finely.
@@ -123,21 +124,15 @@ pub fn assess(
         .iter()
         .map(|low| reach(&high, low, &settings.recovery))
         .collect();
-    let mut prepared: Vec<Vec<Option<Field>>> = Vec::new();
+    let (both, recovery) = ((&high, all.as_slice()), &settings.recovery);
+    let mut fields = Fields::new(both, recovery, &reaches, settings.size, draw);
+    let mut prepared: Vec<Vec<Option<Arc<Field>>>> = Vec::new();
     for (k, mapping) in settings.mappings.iter().enumerate() {
         progress.at("probes", mapping.name(), k, settings.mappings.len());
         if progress.cancelled() {
             return Err(Error::Cancelled);
         }
-        let (both, size) = ((&high, all.as_slice()), settings.size);
-        prepared.push(fields(
-            both,
-            *mapping,
-            &settings.recovery,
-            &reaches,
-            size,
-            draw,
-        )?);
+        prepared.push(fields.of(*mapping)?);
     }
     let finders: Vec<Vec<Finder>> = settings
         .mappings
@@ -145,7 +140,7 @@ pub fn assess(
         .zip(&prepared)
         .map(|(mapping, fields)| {
             let finder = |k: usize| {
-                let field = fields[k].as_ref();
+                let field = fields[k].as_deref();
                 Finder::new(
                     (&high, all[k]),
                     *mapping,

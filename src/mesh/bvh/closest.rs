@@ -4,7 +4,7 @@
 //! at once.
 
 use super::wide::{IS_LEAF, Node, Pack};
-use super::{Asking, Found, NO_HINT, V3};
+use super::{Asking, Found, NO_HINT, V3, push_nearest_last};
 use glam::{BVec4A, Vec4};
 
 /// Divisors are no smaller: a triangle without length gives a point of it all the same.
@@ -55,12 +55,8 @@ impl Asking<'_> {
             for (lane, &distance) in distances.iter().enumerate() {
                 // A place without a box is infinitely far.
                 if distance <= best.found.distance && distance < f32::INFINITY {
-                    // The farthest lies deepest.
-                    let mut place = self.stack.len();
-                    while place > first && self.stack[place - 1].0 < distance {
-                        place -= 1;
-                    }
-                    self.stack.insert(place, (distance, node.child[lane]));
+                    let child = node.child[lane];
+                    push_nearest_last(&mut self.stack, first, (distance, child));
                 }
             }
         }

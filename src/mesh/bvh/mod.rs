@@ -57,6 +57,16 @@ pub(crate) struct Asking<'a> {
     stack: Vec<(f32, u32)>,
 }
 
+/// Pushes a box onto a stack whose entries from `first` on are in order, the nearest last: it is the next to be looked into.
+fn push_nearest_last(stack: &mut Vec<(f32, u32)>, first: usize, entry: (f32, u32)) {
+    let mut at = stack.len();
+    stack.push(entry);
+    while at > first && stack[at - 1].0 < entry.0 {
+        stack.swap(at - 1, at);
+        at -= 1;
+    }
+}
+
 impl Bvh {
     /// The tree over `triangles`, which keep their numbers.
     pub(crate) fn new(triangles: &[[V3; 3]]) -> Bvh {
@@ -94,8 +104,36 @@ impl Bvh {
         }
     }
 
+    /// Nodes and packs of triangles as four-word quads, as `glsl/recover/find.comp` reads them; one of zeros where there are none.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn words(&self) -> [Vec<[u32; 4]>; 2] {
+        let quad = |v: &glam::Vec4| v.to_array().map(f32::to_bits);
+        let node = |n: &Node| {
+            let boxes: Vec<_> = n.low.iter().chain(&n.high).map(quad).collect();
+            boxes.into_iter().chain([n.child])
+        };
+        let pack = |p: &Pack| {
+            let corners: Vec<_> = p.corner.as_flattened().iter().map(quad).collect();
+            corners.into_iter().chain([p.id])
+        };
+        let mut both = [
+            self.nodes.iter().flat_map(node).collect::<Vec<_>>(),
+            self.packs.iter().flat_map(pack).collect(),
+        ];
+        both.iter_mut()
+            .filter(|w| w.is_empty())
+            .for_each(|w| w.push([0; 4]));
+        both
+    }
+
+    /// Whether there are no triangles.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
     /// The largest coordinate of any corner.
-    fn largest(&self) -> f32 {
+    pub(crate) fn largest(&self) -> f32 {
         let all = self.low.iter().chain(&self.high);
         all.fold(
             0.0,

@@ -4,13 +4,15 @@
 //! share an edge compute the same number for it with opposite signs, so no ray passes between them. Four at once.
 
 use super::wide::{IS_LEAF, Node, Pack};
-use super::{Asking, Bvh, Found, V3};
+use super::{Asking, Bvh, Found, V3, push_nearest_last};
 use glam::Vec4;
 
 /// Boxes are larger by this share of the largest coordinate: more than rounding takes from any of them.
 const MARGIN: f32 = 4e-6;
 /// In place of the inverse of a direction's zero.
 const ENDLESS: f32 = 1e30;
+/// The smallest part of a direction that is no zero.
+const SHORTEST: f32 = 1e-30;
 
 /// Which sides of triangles count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +53,7 @@ impl Prepared {
         let largest = begin.iter().fold(tree.largest(), |m, c| m.max(c.abs()));
         let margin = MARGIN * largest;
         let inverse = way.map(|c| {
-            if c.abs() > 1.0 / ENDLESS {
+            if c.abs() > SHORTEST {
                 1.0 / c
             } else {
                 ENDLESS.copysign(c)
@@ -152,7 +154,7 @@ impl Asking<'_> {
         let prepared = Prepared::new(self.tree, ray);
         let mut best = (ray.reach, u32::MAX);
         let mut found = None;
-        self.walk(&prepared, &mut |pack, number| {
+        self.walk(&prepared, |pack, number| {
             let (t, b) = prepared.hits(pack);
             for lane in (0..4).filter(|&lane| t[lane].is_finite()) {
                 if (t[lane], pack.id[lane]) < best && prepared.within(&pack.lane(lane), t[lane]) {
@@ -174,7 +176,7 @@ impl Asking<'_> {
     pub(crate) fn meets(&mut self, ray: Ray) -> bool {
         let prepared = Prepared::new(self.tree, ray);
         let mut met = false;
-        self.walk(&prepared, &mut |pack, _| {
+        self.walk(&prepared, |pack, _| {
             let (t, _) = prepared.hits(pack);
             met = (0..4)
                 .any(|lane| t[lane].is_finite() && prepared.within(&pack.lane(lane), t[lane]));
@@ -184,7 +186,7 @@ impl Asking<'_> {
     }
 
     /// Shows leaves along a ray, near ones first, to `take`, which says how far the ray still reaches; none ends the walk.
-    fn walk(&mut self, ray: &Prepared, take: &mut dyn FnMut(&Pack, u32) -> Option<f32>) {
+    fn walk(&mut self, ray: &Prepared, mut take: impl FnMut(&Pack, u32) -> Option<f32>) {
         let mut end = ray.ray.reach;
         self.stack.clear();
         if !self.tree.nodes.is_empty() {
@@ -207,11 +209,7 @@ impl Asking<'_> {
             let first = self.stack.len();
             for (lane, &enters) in enters.iter().enumerate() {
                 if enters <= end && enters < f32::INFINITY {
-                    let mut place = self.stack.len();
-                    while place > first && self.stack[place - 1].0 < enters {
-                        place -= 1;
-                    }
-                    self.stack.insert(place, (enters, node.child[lane]));
+                    push_nearest_last(&mut self.stack, first, (enters, node.child[lane]));
                 }
             }
         }
