@@ -27,7 +27,7 @@ use serde::Serialize;
 #[command(after_help = "\
 Mappings: proximity, normal, visibility-face, visibility-vertex, visibility-texel, hybrid-vertex, hybrid-texel, cage, auto;
 see `invertex bake --help`. A mapping is rated where it finds a point; --misses proximity rates the closest point in place of
-a ray that met nothing, as a bake would.
+a ray that met nothing, as a bake would, so that all mappings rate the same rays.
 
 JSON: high, low, device, views, rays, size, diagonal (of HIGH's box), reach (of rays, in diagonals), mappings[]: mapping,
 object_space, object_space_rms, image_space (means over rays, in percent of the diagonal), image_space_normalized (0 to 1),

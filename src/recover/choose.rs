@@ -20,10 +20,12 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// What is chosen from; of equally good ones the first.
-pub(super) const CHOICES: [Mapping; 5] = [
+pub(super) const CHOICES: [Mapping; 7] = [
     Mapping::Normal,
     Mapping::HybridVertex,
     Mapping::VisibilityVertex,
+    Mapping::HybridTexel,
+    Mapping::VisibilityTexel,
     Mapping::Cage,
     Mapping::Proximity,
 ];
@@ -36,13 +38,13 @@ const ROUNDS: usize = 2;
 /// Texels that one core works on at a time.
 const CHUNK: usize = 1024;
 
-/// The field of [`Mapping::Auto`] for one of `lows`, whose directions at vertices are `seen`.
+/// The field of [`Mapping::Auto`] for one of `lows`, whose directions at vertices and texels are known.
 pub(super) fn choose(
     (high, lows): (&High, &[&Laid]),
     number: usize,
     recovery: &Recovery,
     reach: f32,
-    seen: &Arc<Field>,
+    (vertices, texels): (Arc<Field>, Arc<Field>),
     size: u32,
 ) -> Field {
     let low = lows[number];
@@ -52,7 +54,13 @@ pub(super) fn choose(
         misses: super::mapping::Misses::Blank,
         ..*recovery
     };
-    let finders = CHOICES.map(|m| Finder::new((high, low), m, &blank, reach, Some(seen)));
+    let finders = CHOICES.map(|mapping| {
+        let field = match mapping {
+            Mapping::HybridTexel | Mapping::VisibilityTexel => &texels,
+            _ => &vertices,
+        };
+        Finder::new((high, low), mapping, &blank, reach, Some(field))
+    });
     let corners = lows.iter().flat_map(|low| {
         let of = |t: usize| low.world.corners(t);
         (0..low.world.triangles.len()).map(of)
@@ -83,7 +91,8 @@ pub(super) fn choose(
         choice[at as usize] = best;
     }
     Field::Choice {
-        seen: Arc::clone(seen),
+        vertices,
+        texels,
         size,
         choice,
     }

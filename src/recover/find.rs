@@ -86,7 +86,7 @@ impl<'a> Finder<'a> {
         let (Some(field), true) = (self.field, mapping != Mapping::Normal) else {
             return outward;
         };
-        let seen = field.at(self.low, t, b);
+        let seen = field.at(mapping, self.low, t, b);
         let weight = match mapping {
             Mapping::HybridVertex | Mapping::HybridTexel => weight_of_normal(seen),
             _ => 0.0,

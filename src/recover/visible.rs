@@ -25,21 +25,27 @@ pub(crate) enum Field {
     Vertices(Vec<V3>),
     /// Of each texel of a square texture; 0 where nothing is.
     Texels { size: u32, mean: Vec<V3> },
-    /// Of each vertex; and for each texel of a square texture which of [`CHOICES`] serves it best.
+    /// For each texel of a square texture which of [`CHOICES`] serves it best, and what those need.
     Choice {
-        seen: Arc<Field>,
+        vertices: Arc<Field>,
+        texels: Arc<Field>,
         size: u32,
         choice: Vec<u8>,
     },
 }
 
 impl Field {
-    /// The mean direction at a point, unit or shorter.
-    pub(super) fn at(&self, low: &Laid, t: usize, b: [f32; 3]) -> V3 {
+    /// The mean direction that `mapping` asks for at a point, unit or shorter.
+    pub(super) fn at(&self, mapping: Mapping, low: &Laid, t: usize, b: [f32; 3]) -> V3 {
         match self {
             Field::Vertices(of) => low.weighted(of, t, b),
-            Field::Choice { seen, .. } => seen.at(low, t, b),
             Field::Texels { size, mean } => mean[place(*size, low.uv(t, b))],
+            Field::Choice {
+                vertices, texels, ..
+            } => match mapping {
+                Mapping::VisibilityTexel | Mapping::HybridTexel => texels.at(mapping, low, t, b),
+                _ => vertices.at(mapping, low, t, b),
+            },
         }
     }
 
@@ -135,12 +141,20 @@ impl<'a> Fields<'a> {
     }
 
     fn choices(&mut self) -> Result<Made> {
-        let seen = self.vertices()?;
+        let (vertices, texels) = (self.vertices()?, self.texels()?);
         let both = (self.high, self.lows);
-        let choice = |(k, seen): (usize, &Arc<Field>)| {
-            choose(both, k, self.recovery, self.reaches[k], seen, self.size)
+        let choice = |(k, seen): (usize, (Arc<Field>, Arc<Field>))| {
+            Arc::new(choose(
+                both,
+                k,
+                self.recovery,
+                self.reaches[k],
+                seen,
+                self.size,
+            ))
         };
-        Ok(seen.iter().enumerate().map(choice).map(Arc::new).collect())
+        let all = vertices.into_iter().zip(texels).enumerate();
+        Ok(all.map(choice).collect())
     }
 }
 
