@@ -63,13 +63,22 @@ fn the_command_line_gives_what_it_promises() {
                 "{key} is null in {run:#}"
             );
         }
-        let sum: u64 = run["histogram"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .filter_map(Value::as_u64)
-            .sum();
-        assert_eq!(Some(sum), run["covered_pixels"].as_u64());
+        let pixels = |histogram: &str| {
+            let counts = run[histogram].as_array().unwrap().iter();
+            counts.filter_map(Value::as_u64).sum::<u64>()
+        };
+        let covered = run["covered_pixels"].as_u64().unwrap();
+        assert_eq!(pixels("histogram"), covered);
+        // Whatever is looked up is tested: at least one triangle, each with a load of its own besides the hash's.
+        if run["variant"] == "lod+igt" {
+            let unmapped = run["unmapped_pixels"].as_u64().unwrap();
+            assert_eq!(pixels("tests_histogram"), covered - unmapped);
+            let tests = run["mean_tests"].as_f64().unwrap();
+            let fetches = run["mean_fetches"].as_f64().unwrap();
+            assert!(tests >= 1.0 && tests + 0.9 <= fetches, "{tests} {fetches}");
+        } else {
+            assert!(run["mean_tests"].is_null());
+        }
     }
     assert_eq!(runs[1]["variant"], "lod+igt");
     assert_eq!(runs[1]["layout"], "packed");

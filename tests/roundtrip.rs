@@ -47,6 +47,7 @@ fn build(scene: Scene, layout: Layout) -> Built {
             triangle_layer: parts.triangle_layer.clone(),
             tables,
             lods,
+            prefiltered: None,
             report: serde_json::json!({ "build_ms": 0.1, "why": "test" }),
         });
     }

@@ -86,6 +86,16 @@ Correspondence identity(uint draw, Drawn drawn) {
     return r;
 }
 
+// Of what was not looked up.
+Correspondence nowhere() {
+    Correspondence r;
+    r.point = IgtSurfacePoint(0u, vec3(0.0), vec3(0.0), vec3(0.0), false, false, 1u);
+    r.known = false;
+    r.fetches = 0u;
+    r.corners = IgtTriangle(ivec3(0), ivec3(0), ivec3(0));
+    return r;
+}
+
 IgtTables tables_of(uint draw) {
     IgtTables tables = igt_tables(uvec4(draws.records[draw].igt[4], draws.records[draw].igt[5], draws.records[draw].igt[6], draws.records[draw].igt[7]),
                                   uvec2(draws.records[draw].igt[8], draws.records[draw].igt[9]));

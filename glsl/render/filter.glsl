@@ -5,6 +5,7 @@
 #ifndef RENDER_FILTER
 #define RENDER_FILTER
 #include "common/show.glsl"
+#include "render/beforehand.glsl"
 
 const uint FILTER_NEAREST = 0u;
 const uint FILTER_FIVE = 1u;
@@ -87,13 +88,19 @@ void take_share(inout IgtSurfacePoint p) {
 Gathered gather(uint draw, Frame frame, float turned) {
     Gathered g;
     g.surface = unknown_surface();
-    g.fetches = 0u;
+    g.centre = nowhere();
+    Beforehand before;
+    before.share = 0.0;
+    before.fetches = 0u;
+    if (known_prefiltered) before = beforehand_at(draw, frame, turned);
+    bool enough = before.share >= 1.0;
+    g.fetches = before.fetches;
     bool many = known_filter != FILTER_NEAREST && draws.records[draw].correspondence != 0u && sample_moves();
     IgtSurface sum = IgtSurface(vec4(0.0), vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0, vec3(0.0), false, false);
     Correspondence seen[5];
     uint count = 0u, shown = 0u, masked = 0u;
     // One copy of the lookup and of the surface for all places.
-    for (uint k = 0u; k < (many ? 5u : 1u); k++) {
+    for (uint k = 0u; k < (enough ? 0u : many ? 5u : 1u); k++) {
         vec2 at = k == 0u ? vec2(0.0) : place(k);
         Correspondence found;
         bool again = false;
@@ -121,10 +128,17 @@ Gathered gather(uint draw, Frame frame, float turned) {
         shown += uint(!s.masked);
         if (!s.masked) add_surface(sum, s);
     }
-    if (many) {
+    if (many && !enough) {
         bool gone = masked > shown;
         if (!gone) g.surface = mean_surface(sum, g.surface, shown);
         g.surface.masked = gone;
+    }
+    if (known_prefiltered) {
+        if (enough) {
+            g.surface = before.surface;
+        } else if (before.share > 0.0 && g.centre.known) {
+            g.surface = blend_surface(g.surface, before);
+        }
     }
     return g;
 }

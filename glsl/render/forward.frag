@@ -104,6 +104,17 @@ Correspondence sample_at(uint draw, vec2 at) {
     return inverse_at(draw, triangle.z, query_of(here), query_of(here + along_x), query_of(here + along_y), true, true);
 }
 
+uint sample_asker() {
+    return triangle.z;
+}
+
+bool sample_queries(uint draw, out ivec3 query, out ivec3 query_x, out ivec3 query_y) {
+    query = query_of(along);
+    query_x = query_of(along + along_x);
+    query_y = query_of(along + along_y);
+    return true;
+}
+
 bool sample_within(uint draw, vec2 at, Correspondence centre, out vec3 b) {
     return within_at(draw, query_of(along_at(at)), centre.corners, b);
 }

@@ -20,6 +20,8 @@ layout(constant_id = 7) const bool known_recorded = false;
 layout(constant_id = 8) const bool known_shown = false;
 // Whether that is a solid texture, a 3-D image or a function.
 layout(constant_id = 17) const bool known_solid = false;
+// Whether something was filtered beforehand.
+layout(constant_id = 18) const bool known_prefiltered = false;
 // How a pixel gathers the reference (FILTER_*).
 layout(constant_id = 9) const uint known_filter = 0u;
 #define IGT_KNOWN_SLOTS known_slots

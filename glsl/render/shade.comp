@@ -89,6 +89,20 @@ Correspondence sample_at(uint draw, vec2 at) {
     return correspond(draw, drawn);
 }
 
+uint sample_asker() {
+    return middle.asker;
+}
+
+bool sample_queries(uint draw, out ivec3 query, out ivec3 query_x, out ivec3 query_y) {
+    ivec3 v0 = t3.points[middle.vertex.x].xyz;
+    ivec3 v1 = t3.points[middle.vertex.y].xyz;
+    ivec3 v2 = t3.points[middle.vertex.z].xyz;
+    query = query_point(v0, v1, v2, middle.b);
+    query_x = query_point(v0, v1, v2, middle.bx);
+    query_y = query_point(v0, v1, v2, middle.by);
+    return sample_moves();
+}
+
 bool sample_within(uint draw, vec2 at, Correspondence centre, out vec3 b) {
     return within(draw, middle_moved(at), centre.corners, b);
 }
@@ -232,7 +246,7 @@ void colour_of(inout Shaded s, IgtSurface surface, uint draw, Drawn drawn, Edges
         } else if (data) {
             rgb = surface.base.xyz;
         } else {
-            precise float t = float(int(s.fetches)) / max(float(int(view.flags >> 8)), 1.0);
+            precise float t = float(int(s.fetches)) / max(float(int(view.flags >> 8 & 0xffffu)), 1.0);
             rgb = palette(t);
         }
         s.code = igt_unit_encode(rgb.x) | (igt_unit_encode(rgb.y) << 8) | (igt_unit_encode(rgb.z) << 16) | 0xff000000u;

@@ -102,6 +102,7 @@ pub fn build(
             triangle_layer: p.parts.triangle_layer,
             tables,
             lods: p.lods,
+            prefiltered: None,
             report: report.to_json(),
         });
         reports.push(report);

@@ -5,8 +5,11 @@
 //! they were built for.
 
 use super::embedding::EmbeddingExtension;
-use super::extension::{EXTENSION, LodExtension, MeshExtension, RootExtension, VERSION};
+use super::extension::{
+    EXTENSION, LodExtension, MeshExtension, PrefilteredExtension, RootExtension, VERSION,
+};
 use super::{Built, BuiltMesh, embedding, morph, original};
+use crate::attribute::Prefiltered;
 use crate::igt::Tables;
 use crate::lod::Lod;
 use crate::mesh::Mesh;
@@ -204,11 +207,16 @@ impl Reading<'_> {
             .enumerate()
             .map(|(k, lod)| self.lod(k, lod))
             .collect::<Result<_>>()?;
+        let prefiltered = extension
+            .prefiltered
+            .map(|p| self.prefiltered(&p))
+            .transpose()?;
         Ok(BuiltMesh {
             mesh: self.mesh,
             triangle_layer,
             tables,
             lods,
+            prefiltered,
             report: extension.report,
         })
     }
@@ -218,6 +226,23 @@ impl Reading<'_> {
         let words = |view| self.words("embedding", view);
         embedding::read(extension, self.mesh(), words)?
             .map_err(|reason| self.fault("embedding", reason))
+    }
+
+    fn prefiltered(&self, extension: &PrefilteredExtension) -> Result<Prefiltered> {
+        let size = extension.size;
+        Prefiltered::check(size, extension.scope)
+            .map_err(|reason| self.fault("prefiltered", reason))?;
+        let mut images: [Vec<u8>; 4] = Default::default();
+        for (k, image) in images.iter_mut().enumerate() {
+            let what = format!("prefiltered.images[{k}]");
+            let element = format!("{}.{what}", self.element);
+            let png = self.full.view(extension.images[k], &element)?;
+            self.reader
+                .charge(2 * size as usize * size as usize, 4, || element)?;
+            *image = super::prefiltered::decode(size, png)
+                .map_err(|reason| self.fault(&what, reason))?;
+        }
+        Prefiltered::new(size, extension.scope, images)
     }
 
     fn words(&self, what: &str, view: Option<usize>) -> Result<Vec<u32>> {

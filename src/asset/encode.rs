@@ -3,8 +3,11 @@
 //! In: a built model. Out: bytes; the same model gives the same bytes. Nothing of the original is changed but its
 //! `extensionsUsed`, the length of its buffer, and `extensions` of the meshes and nodes that have LoDs.
 
-use super::extension::{EXTENSION, LodExtension, MSFT_LOD, MeshExtension, RootExtension, VERSION};
+use super::extension::{
+    EXTENSION, LodExtension, MSFT_LOD, MeshExtension, PrefilteredExtension, RootExtension, VERSION,
+};
 use super::{Built, BuiltMesh, embedding, morph, original};
+use crate::attribute::Prefiltered;
 use crate::lod::Lod;
 use crate::mesh::Mesh;
 use crate::scene::{Document, array};
@@ -100,6 +103,7 @@ impl Writer<'_> {
             lods.push(self.lod(&format!("{} LoD {}", reference.name, k + 1), lod, reference));
         }
         self.nodes(mesh.mesh, &lods);
+        let prefiltered = mesh.prefiltered.as_ref().map(|p| self.prefiltered(p));
         let extension = MeshExtension {
             primary: tables.primary,
             embedding,
@@ -115,10 +119,21 @@ impl Writer<'_> {
             reference_sha256,
             stats: tables.stats,
             lods,
+            prefiltered: prefiltered.transpose()?,
             report: mesh.report.clone(),
         };
         self.json["meshes"][mesh.mesh]["extensions"][EXTENSION] = to_value(&extension)?;
         Ok(())
+    }
+
+    fn prefiltered(&mut self, prefiltered: &Prefiltered) -> Result<PrefilteredExtension> {
+        let images = super::prefiltered::encode(prefiltered)
+            .map_err(|reason| self.fault("prefiltered".into(), reason))?;
+        Ok(PrefilteredExtension {
+            size: prefiltered.size(),
+            scope: prefiltered.scope(),
+            images: images.map(|png| self.view(&png, None)),
+        })
     }
 
     /// What reading would refuse is not written.

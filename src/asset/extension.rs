@@ -1,6 +1,7 @@
 //! The JSON of the vendor extension, as `schema/` documents it.
 
 use super::embedding::EmbeddingExtension;
+use crate::attribute::Scope;
 use crate::igt::{Format, Layout, Stats, Window};
 use crate::param::Primary;
 use serde::{Deserialize, Serialize};
@@ -67,8 +68,21 @@ pub(super) struct MeshExtension {
     pub(super) reference_sha256: String,
     pub(super) stats: Stats,
     pub(super) lods: Vec<LodExtension>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) prefiltered: Option<PrefilteredExtension>,
     #[serde(default)]
     pub(super) report: serde_json::Value,
+}
+
+/// What was filtered beforehand over the primary parameterization.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PrefilteredExtension {
+    /// Texels along each side of the first level.
+    pub(super) size: u32,
+    pub(super) scope: Scope,
+    /// Buffer views of PNG.
+    pub(super) images: [usize; 4],
 }
 
 /// One LoD of a mesh.

@@ -22,6 +22,7 @@ mod extension;
 mod morph;
 mod motion;
 mod original;
+mod prefiltered;
 mod rebuild;
 mod report;
 mod settings;
@@ -35,6 +36,7 @@ pub use report::{LodReport, MeshReport, NAMED, TableBytes};
 pub use settings::{BuildSettings, Processor, Progress, hash_for};
 pub use tables::{MeshTables, TableFile, open_tables};
 
+use crate::attribute::Prefiltered;
 use crate::igt::{Reference, Tables};
 use crate::lod::Lod;
 use crate::mesh::Mesh;
@@ -64,6 +66,8 @@ pub struct BuiltMesh {
     pub tables: Tables,
     /// Levels of detail, finest first. None of them is empty.
     pub lods: Vec<Lod>,
+    /// What was filtered beforehand over the primary parameterization, for the shader LoD.
+    pub prefiltered: Option<Prefiltered>,
     /// Whatever else the build reports; kept, not interpreted.
     pub report: serde_json::Value,
 }

@@ -6,19 +6,14 @@
 //! light; alpha and linear images as they are. Rows are filtered on all cores, with no sum that depends on the split.
 
 use super::arithmetic::{srgb_decode_table, srgb_encode, srgb_encode_thresholds, unit_encode};
-use super::texture::Pixels;
+use super::texture::{Pixels, words};
 use rayon::prelude::*;
 
 /// Appends all levels of `pixels` to `texels`, a word per texel (R in the low byte); returns where each level begins,
 /// counted from the first.
 pub(crate) fn append_chain(texels: &mut Vec<u32>, pixels: Pixels, srgb: bool) -> Vec<u32> {
     let base = texels.len();
-    texels.extend(
-        pixels
-            .rgba
-            .chunks_exact(4)
-            .map(|p| u32::from_le_bytes([p[0], p[1], p[2], p[3]])),
-    );
+    texels.extend(words(pixels.rgba));
     let codec = Codec::new(srgb);
     let mut offsets = vec![0u32];
     let (mut width, mut height) = (pixels.width as usize, pixels.height as usize);

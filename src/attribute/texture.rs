@@ -5,7 +5,7 @@
 //! On a device the run is split into [`SHARDS`] buffers of [`SHARD_WORDS`] words, as no storage buffer need be larger
 //! than 128 MiB; a texel's address says its shard.
 
-use super::mips;
+use super::{mips, prefiltered};
 use crate::{Error, Result};
 use std::collections::HashMap;
 
@@ -95,7 +95,32 @@ impl TextureSet {
         if let Some(id) = self.find(image, srgb, sampler) {
             return Ok(id);
         }
-        let chain = self.append(pixels()?, srgb)?;
+        let pixels = pixels()?;
+        self.make_room(&pixels, pixels.area())?;
+        let base = self.texels.len() as u32;
+        let offsets = mips::append_chain(&mut self.texels, pixels, srgb);
+        let chain = Chain::new(base, &pixels, offsets);
+        self.chains.insert((image, srgb), chain.clone());
+        Ok(self.register(&chain, image, srgb, sampler))
+    }
+
+    /// [`add`](Self::add) for a square image that has its levels already, each half as large, down to one texel.
+    pub(crate) fn add_levels<'a>(
+        &mut self,
+        image: usize,
+        srgb: bool,
+        sampler: Sampler,
+        pixels: impl FnOnce() -> Result<Pixels<'a>>,
+    ) -> Result<u32> {
+        if let Some(id) = self.find(image, srgb, sampler) {
+            return Ok(id);
+        }
+        let pixels = pixels()?;
+        self.make_room(&pixels, prefiltered::texels(pixels.width) as u64)?;
+        let base = self.texels.len() as u32;
+        let offsets = prefiltered::levels(pixels.width).map(|(at, _)| at as u32);
+        let chain = Chain::new(base, &pixels, offsets.collect());
+        self.texels.extend(words(pixels.rgba));
         self.chains.insert((image, srgb), chain.clone());
         Ok(self.register(&chain, image, srgb, sampler))
     }
@@ -140,10 +165,13 @@ impl TextureSet {
         &self.texels[begin..(begin + SHARD_WORDS).min(self.texels.len())]
     }
 
-    fn append(&mut self, pixels: Pixels, srgb: bool) -> Result<Chain> {
+    /// An error where an image of `texels` texels is none, or too large for what is left.
+    fn make_room(&self, pixels: &Pixels, texels: u64) -> Result<()> {
         let (width, height) = (pixels.width, pixels.height);
-        let area = u64::from(width) * u64::from(height);
-        if area == 0 || pixels.rgba.len() as u64 != area * 4 || width.max(height) >= 1 << MAX_LEVELS
+        let area = pixels.area();
+        if area == 0
+            || pixels.rgba.len() as u64 != texels * 4
+            || width.max(height) >= 1 << MAX_LEVELS
         {
             let reason = format!(
                 "{width}x{height} with {} bytes is not an RGBA image",
@@ -160,15 +188,31 @@ impl TextureSet {
                 have,
             });
         }
-        let base = self.texels.len() as u32;
-        let offsets = mips::append_chain(&mut self.texels, pixels, srgb);
-        Ok(Chain {
-            base,
-            width,
-            height,
-            offsets,
-        })
+        Ok(())
     }
+}
+
+impl Chain {
+    fn new(base: u32, pixels: &Pixels, offsets: Vec<u32>) -> Self {
+        Chain {
+            base,
+            width: pixels.width,
+            height: pixels.height,
+            offsets,
+        }
+    }
+}
+
+impl Pixels<'_> {
+    fn area(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+}
+
+/// RGBA as a word a texel, R in the low byte.
+pub(super) fn words(rgba: &[u8]) -> impl Iterator<Item = u32> {
+    rgba.chunks_exact(4)
+        .map(|p| u32::from_le_bytes([p[0], p[1], p[2], p[3]]))
 }
 
 fn record(chain: &Chain, srgb: bool, sampler: Sampler) -> [u32; TEXTURE_WORDS] {

@@ -6,6 +6,7 @@ use invertex::asset::{self, BuildSettings, MeshReport, Progress};
 use invertex::igt::Layout;
 use invertex::output::{check_target, write_bytes};
 use invertex::param::PrimaryRequest;
+use invertex::recover::prefilter;
 use invertex::scene::{Scene, read_file};
 use invertex::{Error, Result};
 use serde::{Serialize, Serializer};
@@ -36,6 +37,7 @@ Examples:
   invertex build helmet.glb -o built.glb --primary uv0 --primary Lenses_low=sphere     one mesh its own way
   invertex build scan.glb -o built.glb --primary lscm              charts, for a scan that has no uv
   invertex build bottle.glb -o built.glb --ambiguous twice.csv        which triangles share a place with others
+  invertex build apple.glb -o built.glb --shader-lod 256              far away one fetch does
   invertex build apple.glb -o built.glb --layout classic --device cpu --json | jq '.meshes[].tables_sha256'")]
 pub(super) struct Build {
     /// The model: .glb or .gltf.
@@ -69,6 +71,10 @@ pub(super) struct Build {
     /// Write the triangles that share a place with another, where colours may be wrong: mesh,triangle, one a line.
     #[arg(long, value_name = "FILE.csv")]
     ambiguous: Option<PathBuf>,
+    /// Filter the appearance beforehand, so many texels along each side (a power of two from 32 to 4096): `render
+    /// --shader-lod` then shows it where it is as good as the lookup.
+    #[arg(long, value_name = "N")]
+    shader_lod: Option<u32>,
     /// What simplifies.
     #[arg(long, value_enum, default_value_t = Simplifier::Meshopt)]
     simplifier: Simplifier,
@@ -134,11 +140,19 @@ impl Build {
             .iter()
             .for_each(|warning| note(common, warning));
         let device = Device::open(common)?;
-        let outcome = {
+        let mut outcome = {
             let bar = Bar::new(common, 0);
             asset::build(scene, &settings, device.processor(), &Watching(&bar))?
         };
         times.extend(&outcome.milliseconds);
+        if let Some(size) = self.shader_lod {
+            let filtering = Instant::now();
+            let bar = Bar::new(common, 0);
+            let warnings = prefilter(&mut outcome.built, size, &Watching(&bar))?;
+            drop(bar);
+            warnings.iter().for_each(|warning| note(common, warning));
+            times.push(("shader_lod", milliseconds(filtering)));
+        }
         let writing = Instant::now();
         write_bytes(&self.output, &asset::to_bytes(&outcome.built)?)?;
         if let Some(path) = &self.ambiguous {

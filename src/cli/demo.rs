@@ -261,6 +261,7 @@ impl Studio<'_> {
             mode,
             shading: Shading::Lit,
             path: DrawPath::Deferred,
+            shader_lod: false,
         };
         let rest = self.model.scene().rest();
         let (staged, _) = drawing::Staged::new(&self.model, wish, &rest, &self.device)?;

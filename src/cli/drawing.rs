@@ -7,7 +7,7 @@ use invertex::attribute::{Shown, attributes_of, attributes_showing};
 use invertex::output::{Aov, encode_exr, encode_png};
 use invertex::render::{
     Correspond, Filter, Options, Output, Picture, Rendered, Renderer, Subject, keep_only,
-    stage_posed, stage_with, subjects,
+    stage_posed, stage_with, subjects, subjects_prefiltered,
 };
 use invertex::scene::{Material, Pose, Scene};
 use invertex::{Error, Result};
@@ -99,6 +99,8 @@ pub(super) struct Wish<'a> {
     pub(super) path: DrawPath,
     /// What is shown in place of base colour.
     pub(super) shown: Option<&'a Shown>,
+    /// Whether what was filtered beforehand is drawn where it will do.
+    pub(super) shader_lod: bool,
 }
 
 /// The renderer's options for a mode.
@@ -136,6 +138,10 @@ impl<'a> Staged<'a> {
         let lit = wish.shading == Shading::Lit || wish.mode == Mode::Normals;
         let (subjects, correspond) = match model {
             Model::Plain(_) => (Vec::new(), Correspond::Reference),
+            Model::Built(built) if wish.shader_lod => (
+                subjects_prefiltered(built, wish.level),
+                wish.mode.correspond(true),
+            ),
             Model::Built(built) => (subjects(built, wish.level), wish.mode.correspond(true)),
         };
         let scene = model.scene();

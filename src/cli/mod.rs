@@ -31,6 +31,7 @@ mod query;
 mod recovery;
 mod render;
 mod render_report;
+mod render_stages;
 mod view;
 
 use std::io::{self, IsTerminal, Write};

@@ -1,6 +1,6 @@
-//! What moves from picture to picture: `--animation`, `--time`, `--frames`, `--fps`, `--turntable`.
+//! What moves from picture to picture: `--animation`, `--time`, `--frames`, `--fps`, `--turntable`, `--distance`.
 //!
-//! In: the options. Out: one [`Frame`] for each picture: a moment of the animation and a turn of the camera.
+//! In: the options. Out: one [`Frame`] for each picture: a moment of the animation, a turn of the camera, how far away it is.
 
 use std::str::FromStr;
 
@@ -11,6 +11,8 @@ use super::bad_option;
 
 /// Most pictures of a sequence.
 const MOST: u32 = 100_000;
+/// Pictures of a range of distances where nothing says how many.
+const FRAMES: u32 = 60;
 /// Pictures a second where nothing says how many.
 const FPS: f64 = 30.0;
 
@@ -47,6 +49,47 @@ pub(super) struct Motion {
     #[arg(long, value_name = "N", conflicts_with_all = ["camera", "frames"], help_heading = "Motion",
           value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)))]
     turntable: Option<u32>,
+    /// How far away the camera is, 1 (default) where it sees the model whole; or A..B for a sequence from A to B, each
+    /// picture by the same factor farther than the one before it.
+    #[arg(
+        long,
+        value_name = "D|A..B",
+        conflicts_with = "camera",
+        help_heading = "Motion",
+        allow_hyphen_values = true
+    )]
+    distance: Option<Distance>,
+    /// Where --lod pixels:X switches levels from picture to picture, blend the two over N pictures.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        hide_default_value = true,
+        help_heading = "Motion"
+    )]
+    pub(super) blend: u32,
+}
+
+/// What `--distance` says: the first picture's and the last one's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Distance(f64, f64);
+
+impl FromStr for Distance {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let number = |text: &str| {
+            let number = text.trim().parse::<f64>().ok();
+            number.filter(|d| d.is_finite() && *d > 0.0)
+        };
+        let (from, to) = text.split_once("..").unwrap_or((text, text));
+        match (number(from), number(to)) {
+            (Some(from), Some(to)) => Ok(Distance(from, to)),
+            _ => Err(format!(
+                "\"{text}\" is not a distance above 0 nor a range such as 1..20"
+            )),
+        }
+    }
 }
 
 /// What `--time` says.
@@ -101,13 +144,35 @@ pub(super) struct Frame {
     pub(super) turn: f64,
     /// Seconds as they were asked for; none where nothing varies with time.
     pub(super) time: Option<f64>,
+    /// How far away the camera is; 1 sees the model whole.
+    pub(super) distance: f64,
 }
 
 impl Motion {
     /// Whether pictures are numbered, in a folder.
     pub(super) fn is_sequence(&self) -> bool {
         let range = matches!(self.time, Some(Time::Range(..)));
-        self.turntable.is_some() || self.frames.is_some() || range
+        self.turntable.is_some() || self.frames.is_some() || range || self.moves_away()
+    }
+
+    fn moves_away(&self) -> bool {
+        self.distance.is_some_and(|Distance(from, to)| from != to)
+    }
+
+    /// Whether `--blend` means something: where levels switch and pictures are `coloured`.
+    ///
+    /// # Errors
+    /// [`invertex::Error::Option`] where it does not.
+    pub(super) fn check_blend(&self, switches: bool, coloured: bool) -> Result<()> {
+        let reason = match self.blend {
+            0 => return Ok(()),
+            _ if !switches || !self.is_sequence() => {
+                "blends levels in a sequence that switches them; give --lod pixels:0.5 and --distance 1..20"
+            }
+            _ if !coloured => "blends colours, not numbers",
+            _ => return Ok(()),
+        };
+        Err(bad_option("--blend", reason))
     }
 
     /// The frames, in order. `varies`: whether pictures vary with time though nothing be animated.
@@ -118,7 +183,7 @@ impl Motion {
         let timed = varies || self.animation.is_some();
         let given = [
             (self.time.is_some(), "--time"),
-            (self.frames.is_some(), "--frames"),
+            (self.frames.is_some() && !self.moves_away(), "--frames"),
             (self.fps.is_some(), "--fps"),
         ];
         if let Some((_, option)) = given.iter().find(|(given, _)| *given && !timed) {
@@ -146,7 +211,9 @@ impl Motion {
                 }
             },
         };
-        let count = count.unwrap_or(1);
+        let count = count.unwrap_or(if self.moves_away() { FRAMES } else { 1 });
+        let Distance(near, far) = self.distance.unwrap_or(Distance(1.0, 1.0));
+        let apart = (far / near).ln() / f64::from(count.max(2) - 1);
         let turn = match self.turntable {
             Some(n) => 360.0 / f64::from(n),
             None => 0.0,
@@ -154,6 +221,7 @@ impl Motion {
         let frame = |k: f64| Frame {
             turn: k * turn,
             time: timed.then_some(from + k * step),
+            distance: near * (k * apart).exp(),
         };
         Ok((0..count).map(|k| frame(f64::from(k))).collect())
     }
@@ -203,6 +271,8 @@ mod tests {
             frames,
             fps: fps.map(Rate),
             turntable: None,
+            distance: None,
+            blend: 0,
         }
     }
 
@@ -241,6 +311,23 @@ mod tests {
         assert_eq!(contradicting.frames(false).unwrap_err().exit_code(), 2);
         assert!(motion(None, None, Some(5.0)).frames(false).is_err());
         assert!(motion(Some("0..1e9"), None, None).frames(false).is_err());
+    }
+
+    #[test]
+    fn distances_are_read_and_grow_by_one_factor() {
+        assert_eq!("2".parse(), Ok(Distance(2.0, 2.0)));
+        for bad in ["", "0", "-1", "nan", "1..", "..2", "1..inf", "x"] {
+            assert!(bad.parse::<Distance>().is_err(), "{bad}");
+        }
+        let mut away = motion(None, Some(5), None);
+        away.animation = None;
+        away.distance = Some(Distance(1.0, 16.0));
+        let frames = away.frames(false).unwrap();
+        for (frame, wanted) in frames.iter().zip([1.0, 2.0, 4.0, 8.0, 16.0]) {
+            assert!((frame.distance - wanted).abs() < 1e-9 && frame.time.is_none());
+        }
+        away.frames = None;
+        assert_eq!(away.frames(false).unwrap().len(), FRAMES as usize);
     }
 
     #[test]

@@ -38,7 +38,7 @@ JSON: device, clock, path, shading, size[], frames, warm_up, runs[]: file, mesh,
 triangles, mean_list, mean_fetches, mean_fetches_with_uv, p99_fetches, max_fetches, mean_texture_fetches, tables_bytes,
 texture_bytes, covered_pixels, unmapped_pixels, frame_ns_median, frame_ns_p95, frame_ns_p99, lookup_ns_median,
 lookup_ns_p95, frames, clock, passes[]: name,
-median_ns, p95_ns, p99_ns; histogram[] (pixels by number of fetches); memory[]: file, mesh, triangles, primary, layout, hash,
+median_ns, p95_ns, p99_ns; histogram[] (pixels by number of fetches), tests_histogram[] (by triangles tested), mean_tests; memory[]: file, mesh, triangles, primary, layout, hash,
 mean_list, bytes{hash, list, triangle, attribute, total}, bytes_per_triangle; outputs[]; warnings[].
 
 Examples:

@@ -112,6 +112,9 @@ fn section(
         keep(&file_name(subject, run), &png)?;
         shots.push(Shot { caption, png });
         charts.push(Chart::Plot(histogram(run)));
+        if !run.tests_histogram.is_empty() {
+            charts.push(Chart::Plot(tests(run)));
+        }
     }
     charts.push(Chart::Bars(times(rows())));
     charts.push(Chart::Plot(passes(rows())));
@@ -156,15 +159,24 @@ fn file_name(subject: &Subject, run: &Run) -> String {
 }
 
 fn histogram(run: &Run) -> Plot {
+    columns(run, "fetches", &run.histogram)
+}
+
+fn tests(run: &Run) -> Plot {
+    columns(run, "triangles tested", &run.tests_histogram)
+}
+
+/// Pixels by a number of something.
+fn columns(run: &Run, what: &'static str, counts: &[u64]) -> Plot {
     let pixels = run.covered_pixels.max(1) as f64;
-    let share = |(fetches, &count): (usize, &u64)| [fetches as f64, 100.0 * count as f64 / pixels];
+    let share = |(number, &count): (usize, &u64)| [number as f64, 100.0 * count as f64 / pixels];
     Plot {
-        title: format!("Pixels by fetches, {}", run.variant.name()),
-        x: axis("fetches", false),
+        title: format!("Pixels by {what}, {}", run.variant.name()),
+        x: axis(what, false),
         y: axis("% of covered pixels", false),
         lines: vec![Line {
             name: run.variant.name().to_owned(),
-            points: run.histogram.iter().enumerate().map(share).collect(),
+            points: counts.iter().enumerate().map(share).collect(),
         }],
         marks: Marks::Columns,
     }

@@ -1,26 +1,27 @@
 //! `render`: images of a model or of one of its LoDs.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::attribute::Showing;
 use super::device::Device;
-use super::drawing::{
-    self, Background, DrawPath, FilterChoice, Format, Mode, Shading, Staged, Wish,
-};
+use super::drawing::{self, Background, DrawPath, FilterChoice, Format, Mode, Shading, Wish};
 use super::lod_choice::LodChoice;
 use super::motion::{self, Frame, Motion};
 use super::print;
 use super::progress::Bar;
 use super::render_report::{ImageReport, Report};
+use super::render_stages::Stages;
 use super::view::{Angles, Size};
 use super::{Common, bad_option, note};
 use invertex::asset::Model;
-use invertex::attribute::{Attribute, Shown};
+use invertex::attribute::Attribute;
 use invertex::output::{check_target, make_folder, write_bytes};
-use invertex::render::{Camera, Output, Projection, Renderer, View, parse_views};
-use invertex::scene::{Pose, read_file};
+use invertex::render::{Camera, Output, Projection, Switching, View, blended, parse_views};
+use invertex::scene::read_file;
 use invertex::{Error, Result};
+
+const NO_FILTER: &str =
+    "--filter changes nothing here: this mode looks no point up; --samples 4 does";
 
 /// Draw a model, or a LoD of it that looks like the original.
 ///
@@ -31,8 +32,8 @@ use invertex::{Error, Result};
 A camera file: {\"width\": W, \"height\": H, \"views\": [{\"name\": \"front.png\", \"view\": [[4x4, row-major, world to
 camera, which looks down -Z, +Y up]], \"projection_vulkan\": [[4x4, clip z 0..1, y down]]}, ..]}
 
-JSON: device, animation (its name), attribute, images[]: path, time (seconds into the animation), width, height, lod, triangles,
-covered_pixels, mean_fetches, sha256 (of the file), passes[] (nanoseconds of each); warnings[].
+JSON: device, animation (its name), attribute, images[]: path, time (seconds into the animation), width, height, lod, leaving {lod, share} (while --blend goes on), triangles,
+covered_pixels, mean_fetches, prefiltered_pixels (with --shader-lod: shown without a lookup), sha256 (of the file), passes[] (nanoseconds of each); warnings[].
 
 EXR layers with --aov: triangle.id (of the reference, in its own mesh; -1 outside), barycentric.x .y .z, fetches.count,
 depth.Z.
@@ -42,6 +43,7 @@ Examples:
   invertex render built.glb -o lod2.png --mode igt --lod 2
   invertex render built.glb -o plain.png --mode plain --lod triangles:500 --shading unlit
   invertex render built.glb -o views/ --camera cameras.json --mode igt --lod pixels:0.5
+  invertex render built.glb -o far.png --mode igt --lod 3 --shader-lod 1
   invertex render built.glb -o lod1.exr --aov --mode igt --lod 1 --view 30,15 --ortho
   invertex render built.glb -o occlusion.png --mode igt --lod 2 --attribute occlusion
   invertex render built.glb -o wood/ --mode igt --attribute wood --time 0..4 --fps 10
@@ -50,6 +52,7 @@ Examples:
   invertex render fox.glb -o walk.png --animation Walk --time 0.35
   invertex render fox.built.glb -o run/ --mode igt --lod 1 --animation Run --time 0..1.15 --fps 24
   invertex render built.glb -o round/ --mode igt --turntable 36
+  invertex render built.glb -o away/ --mode igt --lod pixels:0.5 --distance 1..30 --frames 120 --blend 6 --shader-lod 1
   invertex render built.glb -o edges.png --mode wireframe --lod 3 --background '#202020' --size 1600x1200")]
 pub(super) struct Render {
     /// The model: .glb or .gltf.
@@ -94,6 +97,10 @@ pub(super) struct Render {
     /// How a LoD gathers the reference over a pixel.
     #[arg(long, value_enum, default_value_t = FilterChoice::Nearest)]
     filter: FilterChoice,
+    /// Show what `build --shader-lod` filtered beforehand where it lies within so many steps of 8 bits of the lookup (0.25
+    /// to 63.75): one fetch there; up to twice as far it gives way to the lookup.
+    #[arg(long, value_name = "STEPS", allow_hyphen_values = true)]
+    shader_lod: Option<f32>,
     /// Samples a pixel; 64 is near the truth and takes as many times as long.
     #[arg(long, value_name = "1|4|16|64", default_value_t = 1)]
     samples: u32,
@@ -128,6 +135,16 @@ impl Render {
                 reason,
             ));
         }
+        if let (Some(_), Model::Built(built)) = (self.shader_lod, &model)
+            && built.meshes.iter().all(|mesh| mesh.prefiltered.is_none())
+        {
+            let reason = "nothing was filtered beforehand; build it with --shader-lod 256";
+            return Err(Error::input(
+                self.file.display().to_string(),
+                "prefiltered",
+                reason,
+            ));
+        }
         let animation = self.motion.animation(model.scene())?;
         let sphere = match animation {
             Some(animation) => drawing::moving_sphere(&model, animation)?,
@@ -140,15 +157,16 @@ impl Render {
             animation.is_some(),
             common,
         )?;
-        let mut stages = Stages {
-            render: self,
+        let wish = Wish {
+            level: 0,
+            mode: self.mode,
+            shading: self.shading,
+            path: self.path,
             shown: shown.as_ref(),
-            model: &model,
-            device: &device,
-            animation,
-            ready: BTreeMap::new(),
-            warnings: vec![],
+            shader_lod: self.shader_lod.is_some(),
         };
+        let switching = Switching::new(self.motion.blend);
+        let mut stages = Stages::new(&model, wish, &device, animation, switching);
         let shots = self.shots(views, &frames, sphere)?;
         let bar = Bar::new(common, shots.len() as u64);
         let mut images = Vec::new();
@@ -162,9 +180,7 @@ impl Render {
         let mut warnings = stages.warnings;
         let looked_up = !matches!(self.mode, Mode::Reference | Mode::Plain);
         if self.filter != FilterChoice::Nearest && !looked_up {
-            let text =
-                "--filter changes nothing here: this mode looks no point up; --samples 4 does";
-            warnings.push(text.into());
+            warnings.push(NO_FILTER.into());
         }
         warnings.iter().for_each(|warning| note(common, warning));
         let report = Report {
@@ -194,6 +210,10 @@ impl Render {
             let reason = format!("{} is not 1, 4, 16 or 64", self.samples);
             return Err(bad_option("--samples", reason));
         }
+        self.check_shader_lod()?;
+        let switches = matches!(self.lod, Some(LodChoice::Pixels(_)));
+        let coloured = !matches!(self.mode, Mode::Normals | Mode::Fetches);
+        self.motion.check_blend(switches, coloured)?;
         if let Some(camera) = &self.camera {
             if self.motion.is_sequence() {
                 let reason = "draws one moment; --time A..B makes a sequence from one view";
@@ -227,6 +247,25 @@ impl Render {
         Ok(None)
     }
 
+    fn check_shader_lod(&self) -> Result<()> {
+        let Some(steps) = self.shader_lod else {
+            return Ok(());
+        };
+        if !(0.25..=63.75).contains(&steps) {
+            let reason = format!("{steps} is not from 0.25 to 63.75 steps of 8 bits");
+            return Err(bad_option("--shader-lod", reason));
+        }
+        if matches!(self.mode, Mode::Reference | Mode::Plain) {
+            let reason = "this mode looks no point up; use --mode igt";
+            return Err(bad_option("--shader-lod", reason));
+        }
+        if self.showing.attribute(self.mode)?.is_some() {
+            let reason = "what was filtered beforehand are the materials; not with --attribute";
+            return Err(bad_option("--shader-lod", reason));
+        }
+        Ok(())
+    }
+
     /// All images that are to be drawn.
     fn shots(
         &self,
@@ -252,7 +291,7 @@ impl Render {
                 } else {
                     self.output.clone()
                 },
-                camera: self.framed(sphere, frame.turn)?,
+                camera: self.framed(sphere, frame)?,
                 time: frame.time,
             })
         };
@@ -267,21 +306,20 @@ impl Render {
         }
     }
 
-    fn framed(&self, (centre, radius): ([f64; 3], f64), turn: f64) -> Result<Camera> {
+    fn framed(&self, (centre, radius): ([f64; 3], f64), frame: &Frame) -> Result<Camera> {
         let Size(width, height) = self.size.unwrap_or(Size(1024, 1024));
         let projection = if self.ortho {
             Projection::Orthographic
         } else {
             Projection::Perspective
         };
-        Camera::framed(
+        Camera::framed_from(
+            frame.distance,
             centre,
             radius,
-            self.view.0 + turn,
-            self.view.1,
+            [self.view.0 + frame.turn, self.view.1],
             projection,
-            width,
-            height,
+            [width, height],
         )
     }
 
@@ -291,18 +329,26 @@ impl Render {
         shot: &Shot,
         sphere: ([f64; 3], f64),
     ) -> Result<ImageReport> {
-        let lod = self.level(stages.model, &shot.camera, sphere)?;
+        let wanted = self.level(stages.model, &shot.camera, sphere)?;
+        let step = stages.switching.next(wanted);
         let time = motion::shown(stages.model.scene(), stages.animation, shot.time);
         let moment = time.or(shot.time);
         let mut options = drawing::options(self.mode, self.shading, self.samples);
         options.filter = self.filter.into();
-        if stages.shown.is_some_and(|s| s.attribute().is_data()) {
+        options.shader_lod = self.shader_lod.unwrap_or(0.0);
+        if stages.wish.shown.is_some_and(|s| s.attribute().is_data()) {
             options.output = Output::Data;
         }
         options.time = shot.time.unwrap_or(0.0) as f32;
-        let renderer = stages.at(lod, time)?;
+        let renderer = stages.at(step.level, time)?;
         let mut image = renderer.draw(&shot.camera, &options)?;
-        let triangles = renderer.picture().triangle_count();
+        let mut triangles = renderer.picture().triangle_count();
+        if let Some((old, share)) = step.leaving {
+            let renderer = stages.at(old, time)?;
+            let from = renderer.draw(&shot.camera, &options)?;
+            triangles += renderer.picture().triangle_count();
+            image = blended(&from, &image, share);
+        }
         if let Some(background) = self.background {
             background.under(&mut image);
         }
@@ -314,8 +360,9 @@ impl Render {
             path,
             &bytes,
             image,
-            (lod, triangles),
+            (step, triangles),
             moment,
+            self.shader_lod.is_some(),
         ))
     }
 
@@ -340,57 +387,4 @@ struct Shot {
     camera: Camera,
     /// Seconds into the animation, as asked for.
     time: Option<f64>,
-}
-
-/// The model made ready at each level that is asked for, and the moment that it is posed at.
-struct Stages<'a> {
-    render: &'a Render,
-    shown: Option<&'a Shown>,
-    model: &'a Model,
-    device: &'a Device,
-    animation: Option<usize>,
-    ready: BTreeMap<usize, (Staged<'a>, Option<f64>)>,
-    warnings: Vec<String>,
-}
-
-impl Stages<'_> {
-    fn at(&mut self, level: usize, time: Option<f64>) -> Result<&Renderer> {
-        let posed = self.ready.get(&level).map(|(_, posed)| *posed);
-        if posed != Some(time) {
-            let pose = motion::pose(self.model.scene(), self.animation, time)?;
-            match self.ready.get_mut(&level) {
-                Some((staged, _)) => staged.repose(&pose)?,
-                None => self.stage(level, &pose)?,
-            }
-        }
-        match self.ready.get_mut(&level) {
-            Some((staged, posed)) => {
-                *posed = time;
-                Ok(&staged.renderer)
-            }
-            None => unreachable!("it was staged above"),
-        }
-    }
-
-    fn stage(&mut self, level: usize, pose: &Pose) -> Result<()> {
-        let Render {
-            mode,
-            shading,
-            path,
-            ..
-        } = *self.render;
-        let wish = Wish {
-            level,
-            mode,
-            shading,
-            path,
-            shown: self.shown,
-        };
-        let (staged, warnings) = Staged::new(self.model, wish, pose, self.device)?;
-        if self.ready.is_empty() {
-            self.warnings = warnings;
-        }
-        self.ready.insert(level, (staged, None));
-        Ok(())
-    }
 }

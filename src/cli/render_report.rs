@@ -1,6 +1,6 @@
 //! What `render` says of its images.
 
-use invertex::render::Rendered;
+use invertex::render::{Rendered, Step};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
@@ -26,11 +26,25 @@ pub(super) struct ImageReport {
     width: u32,
     height: u32,
     lod: usize,
+    /// The level that is left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    leaving: Option<Leaving>,
     triangles: u32,
     covered_pixels: u64,
     mean_fetches: f64,
+    /// Shown without a lookup, where that may be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    prefiltered_pixels: Option<u64>,
     sha256: String,
     passes: Vec<Pass>,
+}
+
+/// A level that gives way to another.
+#[derive(Serialize)]
+struct Leaving {
+    lod: usize,
+    /// How much of the image is the other one's.
+    share: f32,
 }
 
 #[derive(Serialize)]
@@ -40,13 +54,14 @@ struct Pass {
 }
 
 impl ImageReport {
-    /// Of an image of `triangles` triangles at level `lod`, written as `bytes` to `path`.
+    /// Of an image of `triangles` triangles at `step`, written as `bytes` to `path`.
     pub(super) fn new(
         path: String,
         bytes: &[u8],
         image: Rendered,
-        (lod, triangles): (usize, u32),
+        (step, triangles): (Step, u32),
         time: Option<f64>,
+        shader_lod: bool,
     ) -> Self {
         let pass = |(name, nanoseconds)| Pass { name, nanoseconds };
         let digest = Sha256::digest(bytes);
@@ -55,14 +70,25 @@ impl ImageReport {
             time,
             width: image.width,
             height: image.height,
-            lod,
+            lod: step.level,
+            leaving: step.leaving.map(|(lod, share)| Leaving { lod, share }),
             triangles,
             covered_pixels: image.covered_pixels,
             mean_fetches: image.mean_fetches,
+            prefiltered_pixels: shader_lod.then(|| prefiltered(&image)),
             sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
             passes: image.passes.into_iter().map(pass).collect(),
         }
     }
+}
+
+/// Pixels that show something and stand for no point of the reference: one fetch each.
+fn prefiltered(image: &Rendered) -> u64 {
+    let pixels = image.triangle.iter().zip(&image.draw).zip(&image.fetches);
+    let alone = |&((&triangle, &draw), &fetches): &((&u32, &u32), &u32)| {
+        draw != u32::MAX && triangle == u32::MAX && fetches == 1
+    };
+    pixels.filter(alone).count() as u64
 }
 
 impl Report {

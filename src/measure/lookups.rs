@@ -33,6 +33,25 @@ pub(super) fn points(mesh: &Mesh, built: &BuiltMesh, image: &Rendered) -> Result
     Ok(known.filter(|(t, _)| **t != u32::MAX).map(point).collect())
 }
 
+/// For each number of triangles from 0 on the covered pixels of `image` whose lookup tests so many; `points` are theirs. The
+/// processor's lookup counts what the shader's does.
+pub(super) fn tests(built: &BuiltMesh, image: &Rendered, points: &[[i32; 3]]) -> Vec<u64> {
+    let triangles: Vec<u32> = image
+        .triangle
+        .iter()
+        .copied()
+        .filter(|&t| t != u32::MAX)
+        .collect();
+    let count = |(&triangle, &point): (&u32, &[i32; 3])| {
+        let layer = built.triangle_layer.get(triangle as usize).copied();
+        built.tables.lookup_with_cost(point, layer, true).1.tests
+    };
+    let all: Vec<u32> = triangles.par_iter().zip(points).map(count).collect();
+    let mut histogram = vec![0; all.iter().max().map_or(0, |&most| most as usize + 1)];
+    all.iter().for_each(|&tests| histogram[tests as usize] += 1);
+    histogram
+}
+
 /// What looking up all `points` takes; none where there are none.
 pub(super) fn time(
     processor: Processor<'_>,

@@ -5,21 +5,20 @@
 //! and distance. Counting and timing are never one run: first an image is drawn and brought back, and its counters are
 //! read; then frames are drawn for their times alone.
 
-use super::fetches::FetchCounts;
 use super::lookups;
-use super::plan::{Drawing, Sweep, Variant};
+use super::plan::{Drawing, Variant};
+use super::run::Run;
 use super::table_figures::TableFigures;
-use super::timing::{PassStatistics, TimeStatistics, pass_statistics};
+use super::timing::{TimeStatistics, pass_statistics};
 use crate::asset::{Built, Processor};
 use crate::attribute::{AttributeSet, attributes_of};
 use crate::igt::{BuildOptions, Layout};
 use crate::recover;
 use crate::render::{
-    self, Camera, Clock, Correspond, Filter, FrameBudget, FrameTime, Options, Output, Picture,
-    Projection, Rendered, Renderer,
+    self, Camera, Clock, Correspond, Filter, FrameBudget, Options, Output, Picture, Projection,
+    Renderer,
 };
 use crate::{Error, Result};
-use serde::Serialize;
 
 /// How everything is drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,114 +91,20 @@ impl Sitter {
     /// The camera that is `distance` times as far away as one that the model fills.
     pub fn camera(&self, settings: &ProfileSettings, distance: f64) -> Result<Camera> {
         let (centre, radius) = self.sphere;
-        let [azimuth, elevation] = settings.view;
-        let [width, height] = settings.size;
-        Camera::framed(
+        let projection = Projection::Perspective;
+        Camera::framed_from(
+            distance,
             centre,
-            radius * distance,
-            azimuth,
-            elevation,
-            Projection::Perspective,
-            width,
-            height,
+            radius,
+            settings.view,
+            projection,
+            settings.size,
         )
     }
 
     /// Centre and radius of a sphere round the reference, world units.
     pub fn sphere(&self) -> ([f64; 3], f64) {
         self.sphere
-    }
-}
-
-/// One row of a profile.
-#[derive(Clone, Debug, Serialize)]
-pub struct Run {
-    /// The built file.
-    pub file: String,
-    /// The mesh, or [`WHOLE`].
-    pub mesh: String,
-    /// What was drawn.
-    pub variant: Variant,
-    /// The sweep the row belongs to, if any.
-    pub sweep: Option<Sweep>,
-    /// How a pixel gathers the reference; uv loads are counted for its middle alone.
-    pub filter: Filter,
-    /// The level of detail.
-    pub lod: usize,
-    /// Distance, in units of the one at which the model fills the view.
-    pub distance: f64,
-    /// The layout of the tables, where there are any.
-    pub layout: Option<Layout>,
-    /// Side of the hash textures, texels; none where there are none or they differ.
-    pub hash: Option<u32>,
-    /// Triangles drawn, all instances counted.
-    pub triangles: u32,
-    /// Mean list length over texels that have one.
-    pub mean_list: Option<f64>,
-    /// Mean fetches of the correspondence over covered pixels.
-    pub mean_fetches: f64,
-    /// With those of the artist uv.
-    pub mean_fetches_with_uv: f64,
-    /// 99 % of the covered pixels took at most this.
-    pub p99_fetches: u32,
-    /// The most a pixel took.
-    pub max_fetches: u32,
-    /// Mean textures read over covered pixels.
-    pub mean_texture_fetches: f64,
-    /// Bytes of the tables.
-    pub tables_bytes: u64,
-    /// Bytes of the textures with their mip levels.
-    pub texture_bytes: u64,
-    /// Pixels that something covers.
-    pub covered_pixels: u64,
-    /// Of them, those that the tables know no point for.
-    pub unmapped_pixels: u64,
-    /// Half of the frames took at most this, nanoseconds.
-    pub frame_ns_median: u64,
-    /// 95 % of the frames.
-    pub frame_ns_p95: u64,
-    /// 99 % of the frames.
-    pub frame_ns_p99: u64,
-    /// Half of the repetitions of all covered pixels' lookups alone, in one pass, took at most this, nanoseconds; none
-    /// where nothing is looked up, or in the tables of several meshes.
-    pub lookup_ns_median: Option<u64>,
-    /// 95 % of the repetitions.
-    pub lookup_ns_p95: Option<u64>,
-    /// Frames timed.
-    pub frames: usize,
-    /// What they were timed with.
-    pub clock: Clock,
-    /// The passes of a frame.
-    pub passes: Vec<PassStatistics>,
-    /// For each number of fetches from 0 on the covered pixels that took it.
-    pub histogram: Vec<u64>,
-    /// Every frame, for a trace.
-    #[serde(skip)]
-    pub times: Vec<FrameTime>,
-    /// Fetches of each pixel, where any were counted at distance 1; none where nothing is.
-    #[serde(skip)]
-    pub fetches: Vec<Option<u32>>,
-}
-
-impl Run {
-    /// The row with the counters of `image`.
-    fn counted(self, image: &Rendered, picture: &Picture) -> Run {
-        let counts = FetchCounts::of(image, picture);
-        let pixels = image.draw.iter().zip(&image.fetches);
-        let fetches = pixels.map(|(&draw, &f)| (draw != u32::MAX).then_some(f));
-        let shown = counts.max > 0 && self.distance == 1.0;
-        Run {
-            mean_fetches: counts.mean,
-            mean_fetches_with_uv: counts.mean_with_uv,
-            p99_fetches: counts.p99,
-            max_fetches: counts.max,
-            mean_texture_fetches: counts.mean_textures,
-            covered_pixels: counts.covered_pixels,
-            unmapped_pixels: counts.unmapped_pixels,
-            histogram: counts.histogram,
-            fetches: if shown { fetches.collect() } else { Vec::new() },
-            ..self
-        }
     }
 }
 
@@ -302,6 +207,8 @@ impl Bench<'_> {
             clock: Clock::Wall,
             passes: Vec::new(),
             histogram: Vec::new(),
+            tests_histogram: Vec::new(),
+            mean_tests: None,
             times: Vec::new(),
             fetches: Vec::new(),
         }
@@ -336,16 +243,19 @@ impl Bench<'_> {
                 distance,
                 ..row.clone()
             };
-            runs.push(run.counted(&image, renderer.picture()));
+            let mut run = run.counted(&image, renderer.picture());
             points.push(match built.meshes.as_slice() {
                 [mesh]
                     if row.variant == Variant::Inverse
                         && instances.iter().all(|i| i.mesh == mesh.mesh) =>
                 {
-                    lookups::points(&built.scene.meshes[mesh.mesh], mesh, &image)?
+                    let points = lookups::points(&built.scene.meshes[mesh.mesh], mesh, &image)?;
+                    run = run.tested(lookups::tests(mesh, &image, &points));
+                    points
                 }
                 _ => Vec::new(),
             });
+            runs.push(run);
         }
         Ok((runs, points))
     }

@@ -3,7 +3,7 @@
 //! In: [`Run`]s with their frames. Out: one JSON document: a process for each run, in it a track for each pass, frames one
 //! after the other. Devices tell durations, not when something began; a run's frames are laid end to end.
 
-use super::profile::Run;
+use super::run::Run;
 use serde_json::{Value, json};
 
 /// The trace of `runs`.

@@ -76,6 +76,28 @@ impl Camera {
         width: u32,
         height: u32,
     ) -> Result<Self> {
+        let angles = [azimuth, elevation];
+        Self::framed_from(1.0, centre, radius, angles, projection, [width, height])
+    }
+
+    /// [`framed`](Self::framed) from `distance` times as far away; parallel rays see as many times as much.
+    ///
+    /// # Errors
+    /// [`Error::Option`] where an angle or the distance is not a finite number, or the distance not above 0.
+    pub fn framed_from(
+        distance: f64,
+        centre: [f64; 3],
+        radius: f64,
+        [azimuth, elevation]: [f64; 2],
+        projection: Projection,
+        [width, height]: [u32; 2],
+    ) -> Result<Self> {
+        if !(distance.is_finite() && distance > 0.0) {
+            return Err(Error::Option {
+                option: "--distance",
+                reason: format!("{distance} is not a finite number above 0"),
+            });
+        }
         if !(azimuth.is_finite() && elevation.is_finite()) {
             return Err(Error::Option {
                 option: "--view",
@@ -95,8 +117,8 @@ impl Camera {
         let right = DVec3::new(cos_a, 0.0, -sin_a);
         let up = toward.cross(right);
         let (distance, projection) = match projection {
-            Projection::Perspective => perspective(radius, width, height),
-            Projection::Orthographic => orthographic(radius, width, height),
+            Projection::Perspective => perspective(radius, distance, width, height),
+            Projection::Orthographic => orthographic(radius, distance, width, height),
         };
         let eye = centre + toward * distance;
         let rotation = DMat4::from_cols(
@@ -171,13 +193,13 @@ impl Camera {
     }
 }
 
-/// Distance of the eye and projection for a sphere seen whole in both directions.
-fn perspective(radius: f64, width: u32, height: u32) -> (f64, DMat4) {
+/// Distance of the eye and projection for a sphere seen whole in both directions, from `times` as far away.
+fn perspective(radius: f64, times: f64, width: u32, height: u32) -> (f64, DMat4) {
     let (tan_x, tan_y) = half_extents(TAN_HALF, width, height);
     let sine = TAN_HALF / (1.0 + TAN_HALF * TAN_HALF).sqrt();
-    let distance = radius * MARGIN / sine;
+    let distance = radius * MARGIN / sine * times;
     let (near, far) = (
-        (distance - radius * 1.5).max(radius * 0.05),
+        (distance - radius * 1.5).max(radius * 0.05 * times.min(1.0)),
         distance + radius * 1.5,
     );
     let projection = DMat4::from_cols(
@@ -189,9 +211,9 @@ fn perspective(radius: f64, width: u32, height: u32) -> (f64, DMat4) {
     (distance, projection)
 }
 
-/// Distance of the eye and projection for a sphere seen whole by parallel rays.
-fn orthographic(radius: f64, width: u32, height: u32) -> (f64, DMat4) {
-    let (half_x, half_y) = half_extents(radius * MARGIN, width, height);
+/// Distance of the eye and projection for a sphere seen whole by parallel rays, `times` as small.
+fn orthographic(radius: f64, times: f64, width: u32, height: u32) -> (f64, DMat4) {
+    let (half_x, half_y) = half_extents(radius * MARGIN * times, width, height);
     let (near, far) = (0.5 * radius, 3.5 * radius);
     let projection = DMat4::from_cols(
         DVec4::new(1.0 / half_x, 0.0, 0.0, 0.0),

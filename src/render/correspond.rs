@@ -115,13 +115,18 @@ pub(super) fn within(
 /// T3 at barycentrics `b` of a drawn triangle, on the query grid. Relative to the first vertex, so that the error is
 /// 2^-24 of the triangle, not of the whole domain. A triangle may span the domain, 2^30 steps; a neighbour of a pixel that
 /// sees its triangle edge on may lie outside by as much as an i32 holds, and its gradient must not be cut short.
-fn query_point(t3: &[[i32; 4]; 3], b: [f32; 3]) -> [i32; 3] {
+pub(super) fn query_point(t3: &[[i32; 4]; 3], b: [f32; 3]) -> [i32; 3] {
     std::array::from_fn(|k| {
         let along = |v: usize| ((t3[v][k] - t3[0][k]) << QUERY_SHIFT) as f32;
         let offset = b[1] * along(1) + b[2] * along(2);
         let offset = (offset + 0.5).floor().clamp(-REACH, REACH) as i32;
         (t3[0][k] << QUERY_SHIFT) + offset
     })
+}
+
+/// A point of the query grid, -1..1.
+pub(super) fn unit(v: [i32; 3]) -> V3 {
+    v.map(|x| x as f32 * UNIT)
 }
 
 /// Barycentrics, in the plane of `corners`, of the point where the line of `query` meets it; none for a line along it.
@@ -131,7 +136,6 @@ fn query_point(t3: &[[i32; 4]; 3], b: [f32; 3]) -> [i32; 3] {
 /// plane (sine under 1/5, as [`is_grazed`](crate::param::projection::is_grazed) has it) a neighbour would land far away and
 /// its texture be blurred to one colour; the plane's normal takes the line's place.
 fn projected(line: Line, query: [i32; 3], corners: &GridTriangle) -> Option<[f32; 3]> {
-    let unit = |v: [i32; 3]| v.map(|x| x as f32 * UNIT);
     let edge = |v: usize| {
         unit(std::array::from_fn(|k| {
             (corners[v][k] - corners[0][k]) << QUERY_SHIFT

@@ -116,6 +116,11 @@ impl ViewConstants {
         super::filter::Filter::from_code(self.flags >> super::shade::FILTER_SHIFT & 3)
     }
 
+    /// The bound of the shader LoD in steps of 8 bits; 0: it is off.
+    pub(crate) fn shader_lod(&self) -> f32 {
+        (self.flags >> super::shade::SHADER_LOD_SHIFT) as i32 as f32 * 0.25
+    }
+
     pub(crate) fn new(camera: &Camera, light: &Light, flags: u32, time: f32) -> Self {
         let over_shoulder = || camera.world_direction([-0.4, 0.55, 0.75]);
         let toward = light.direction.map_or_else(over_shoulder, |d| {

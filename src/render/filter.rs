@@ -10,7 +10,8 @@
 //!
 //! A place outside the drawn triangle is drawn in to its border: nothing is looked up where nothing is drawn.
 
-use super::correspond::{self, Correspondence};
+use super::beforehand::{self, Beforehand};
+use super::correspond;
 use super::draw::DrawRecord;
 use super::picture::Picture;
 use super::shade::Drawn;
@@ -78,9 +79,11 @@ const FOOTPRINT_TAPS: u32 = 4;
 
 /// What a pixel gathered.
 pub(crate) struct Gathered {
+    /// The point of its middle; none where the tables know no point, or nothing was looked up.
+    pub point: Option<SurfacePoint>,
     /// None where the tables know no point.
     pub surface: Option<Surface>,
-    /// Fetches of all lookups.
+    /// Fetches of all lookups, and one for what was filtered beforehand.
     pub fetches: u32,
 }
 
@@ -151,16 +154,47 @@ fn moved(drawn: &Drawn, place: [f32; 2]) -> Option<Drawn> {
     })
 }
 
-/// The surface of a pixel whose middle stands for `centre`; `see` says what is seen of a point.
+/// The surface of a pixel; `before` is what was filtered beforehand, `see` says what is seen of a point.
 pub(crate) fn gather(
     (picture, draw): (&Picture, &DrawRecord),
     drawn: &Drawn,
     filter: Filter,
-    centre: Correspondence,
+    before: Option<Beforehand>,
     see: impl Fn(&SurfacePoint) -> Surface,
 ) -> Gathered {
+    let Some(before) = before else {
+        return looked_up((picture, draw), drawn, filter, see);
+    };
+    if before.share >= 1.0 {
+        return Gathered {
+            point: None,
+            surface: Some(before.surface),
+            fetches: 1,
+        };
+    }
+    let full = looked_up((picture, draw), drawn, filter, see);
+    let blended = |s: Surface| match before.share > 0.0 {
+        true => beforehand::blend(&s, &before),
+        false => s,
+    };
+    Gathered {
+        surface: full.surface.map(blended),
+        fetches: full.fetches + 1,
+        ..full
+    }
+}
+
+/// The surface of a pixel through the correspondence.
+fn looked_up(
+    (picture, draw): (&Picture, &DrawRecord),
+    drawn: &Drawn,
+    filter: Filter,
+    see: impl Fn(&SurfacePoint) -> Surface,
+) -> Gathered {
+    let centre = correspond::find(picture, draw, drawn);
     let Some(point) = centre.point else {
         return Gathered {
+            point: None,
             surface: None,
             fetches: centre.fetches,
         };
@@ -169,6 +203,7 @@ pub(crate) fn gather(
     let places = PLACES.map(|place| moved(drawn, place));
     let (false, [Some(a), Some(b), Some(c), Some(d)]) = (alone, places) else {
         return Gathered {
+            point: centre.point,
             surface: Some(see(&point)),
             fetches: centre.fetches,
         };
@@ -192,6 +227,7 @@ pub(crate) fn gather(
     let mut sum = Sum::default();
     seen.iter().for_each(|s| sum.add(s));
     Gathered {
+        point: centre.point,
         surface: Some(sum.mean(&seen[0])),
         fetches,
     }

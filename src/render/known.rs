@@ -4,6 +4,7 @@
 //! In: a [`Picture`]. Out: [`Known`]. Nothing here changes a pixel: on lavapipe, where both sides of every branch are
 //! executed, it halves the time of a lookup.
 
+use super::beforehand::TEXTURES_AT;
 use super::correspond::IDENTITY;
 use super::filter::Filter;
 use super::picture::Picture;
@@ -28,6 +29,8 @@ pub(crate) struct Known {
     shown: bool,
     /// Whether that is a solid texture, a 3-D image or a function.
     solid: bool,
+    /// Whether something was filtered beforehand.
+    prefiltered: bool,
 }
 
 impl Known {
@@ -43,6 +46,7 @@ impl Known {
             recorded: attributes.all_recorded(),
             shown: attributes.is_shown(),
             solid: attributes.is_solid(),
+            prefiltered: picture.draws.iter().any(|d| d.igt[TEXTURES_AT] != 0),
         }
     }
 
@@ -66,7 +70,7 @@ impl Known {
     }
 
     /// The constants for a filter with their ids, the same in all shaders that include `render/known.glsl`.
-    fn constants(&self, filter: Filter) -> [(u32, u32); 11] {
+    fn constants(&self, filter: Filter) -> [(u32, u32); 12] {
         let [line, table_layout, record] = self.tables.words();
         [
             (shade::KNOWN_CORRESPONDENCE, self.correspondence),
@@ -79,6 +83,7 @@ impl Known {
             (shade::KNOWN_RECORDED, self.recorded.into()),
             (shade::KNOWN_SHOWN, self.shown.into()),
             (shade::KNOWN_SOLID, self.solid.into()),
+            (shade::KNOWN_PREFILTERED, self.prefiltered.into()),
             (shade::KNOWN_FILTER, filter.code()),
         ]
     }

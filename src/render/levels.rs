@@ -58,9 +58,19 @@ pub fn subjects(built: &Built, level: usize) -> Vec<Subject<'_>> {
             tables: Some(Arc::new(b.tables.clone())),
             lod: in_chain(b.lods.len(), level).map(|k| &b.lods[k]),
             layers: &b.triangle_layer,
+            prefiltered: None,
         },
     };
     (0..built.scene.meshes.len()).map(subject).collect()
+}
+
+/// [`subjects`] with what was filtered beforehand, for the shader LoD.
+pub fn subjects_prefiltered(built: &Built, level: usize) -> Vec<Subject<'_>> {
+    let mut subjects = subjects(built, level);
+    for b in &built.meshes {
+        subjects[b.mesh].prefiltered = b.prefiltered.as_ref();
+    }
+    subjects
 }
 
 /// Centre and radius of a sphere round the reference as it stands in the world, so that every level is framed alike.

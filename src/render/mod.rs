@@ -9,6 +9,7 @@
 //! shade    id -> correspondence -> attributes -> colour     shade.rs  glsl/render/shade.comp
 //! ```
 
+pub(crate) mod beforehand;
 mod camera;
 mod camera_file;
 mod constants;
@@ -35,6 +36,7 @@ mod renderer;
 mod resolve;
 mod shade;
 mod stage;
+mod switching;
 mod timed;
 
 pub use camera::{Camera, MAX_SIDE, Projection};
@@ -44,11 +46,15 @@ pub(crate) use constants::{THRESHOLDS_AT, constants};
 pub(crate) use correspond::inverse_at;
 pub use draw::Light;
 pub use filter::Filter;
-pub use levels::{in_chain, keep_only, level_near, levels, reference_sphere, subjects, triangles};
+pub use levels::{
+    in_chain, keep_only, level_near, levels, reference_sphere, subjects, subjects_prefiltered,
+    triangles,
+};
 pub use picture::{Geometry, Picture};
 pub use renderer::{Options, Output, Rendered, Renderer};
 pub(crate) use shade::Drawn;
 pub(crate) use stage::level_zero;
 pub use stage::{Correspond, Subject, stage, stage_posed, stage_with};
+pub use switching::{Step, Switching, blended};
 pub(crate) use timed::Taking;
 pub use timed::{Clock, FrameBudget, FrameTime, TimedFrames};

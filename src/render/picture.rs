@@ -3,12 +3,14 @@
 //! In: an [`AttributeSet`] that holds the reference meshes, geometries (a reference's own or a LoD's), draws of them
 //! with their transforms. Out: [`Picture`]. Nothing in it depends on the camera.
 
+use super::beforehand::{SCOPE_AT, TEXTURES_AT, scope_word};
 use super::constants::constants;
 use super::correspond::{IDENTITY, INVERSE};
 use super::deform::Frames;
 use super::draw::DrawRecord;
-use crate::attribute::AttributeSet;
+use crate::attribute::{AttributeSet, Prefiltered};
 use crate::igt::{Asker, Layout, Tables};
+use crate::param::projection::Line;
 use crate::{Error, Result};
 use glam::{DMat3, DMat4};
 use std::sync::Arc;
@@ -47,6 +49,8 @@ pub struct Picture {
     pub(crate) attributes: AttributeSet,
     /// Inverse geometric textures of the references that have one.
     pub(crate) tables: Vec<Arc<Tables>>,
+    /// For each of them what a draw record says of what was filtered beforehand.
+    prefiltered: Vec<[u32; 2]>,
     /// See [`super::constants`].
     pub(crate) constants: Vec<f32>,
     triangles: u32,
@@ -63,6 +67,7 @@ impl Picture {
             draws: Vec::new(),
             attributes,
             tables: Vec::new(),
+            prefiltered: Vec::new(),
             constants: constants(),
             triangles: 0,
             vertices: 0,
@@ -125,10 +130,30 @@ impl Picture {
         })
     }
 
-    /// Adds the tables of a reference; returns their number.
-    pub fn add_tables(&mut self, tables: Arc<Tables>) -> u32 {
+    /// Adds the tables of a reference, and what was filtered beforehand over its primary; returns their number.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] where its textures are too much.
+    pub fn add_tables(
+        &mut self,
+        tables: Arc<Tables>,
+        prefiltered: Option<&Prefiltered>,
+    ) -> Result<u32> {
+        let number = self.tables.len();
+        let words = match prefiltered {
+            None => [0; 2],
+            Some(prefiltered) => {
+                let goes_round = tables.primary.line() == Line::Cylinder;
+                // Images of a scene are counted from 0.
+                let key = usize::MAX - 4 * (number + 1);
+                let textures = &mut self.attributes.textures;
+                let first = textures.add_prefiltered(key, prefiltered, goes_round)?;
+                [first + 1, scope_word(prefiltered.scope())]
+            }
+        };
         self.tables.push(tables);
-        (self.tables.len() - 1) as u32
+        self.prefiltered.push(words);
+        Ok(number as u32)
     }
 
     /// What a draw record says of tables `number`: the number, where its hash (in pairs of words), lists and triangles (in
@@ -147,6 +172,7 @@ impl Picture {
             base(|t| &t.triangle, 4),
         ]);
         out[4..10].copy_from_slice(&tables.shader_words());
+        [out[TEXTURES_AT], out[SCOPE_AT]] = self.prefiltered[number as usize];
         out
     }
 

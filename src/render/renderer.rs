@@ -10,7 +10,7 @@ use super::forward::Forward;
 use super::picture::Picture;
 use super::shade::{
     Aov, FETCHES_SHIFT, FILTER_SHIFT, FLAG_DATA, FLAG_WIREFRAME, NOTHING, OUTPUT_FETCHES,
-    OUTPUT_LIT, OUTPUT_NORMALS, OUTPUT_UNLIT, Pixel,
+    OUTPUT_LIT, OUTPUT_NORMALS, OUTPUT_UNLIT, Pixel, SHADER_LOD_SHIFT,
 };
 use super::stage::{Correspond, Subject, stage_with};
 use super::{function, project, raster, resolve, shade};
@@ -56,6 +56,10 @@ pub struct Options {
     pub samples: u32,
     /// How a LoD gathers the reference's appearance over a pixel.
     pub filter: Filter,
+    /// Where what was filtered beforehand lies within so many steps of 8 bits of the lookup it is shown instead, in
+    /// quarters, up to 63.75; 0 for nowhere. Subjects say what was filtered
+    /// ([`Subject::prefiltered`](super::Subject::prefiltered)).
+    pub shader_lod: f32,
     /// Seconds, for attributes that vary with time.
     pub time: f32,
 }
@@ -69,6 +73,7 @@ impl Default for Options {
             fetches_top: 16,
             samples: 1,
             filter: Filter::Nearest,
+            shader_lod: 0.0,
             time: 0.0,
         }
     }
@@ -309,7 +314,8 @@ pub(super) fn flags(options: &Options) -> u32 {
     output
         | if options.wireframe { FLAG_WIREFRAME } else { 0 }
         | options.filter.code() << FILTER_SHIFT
-        | (options.fetches_top.min(0xff_ffff) << FETCHES_SHIFT)
+        | (options.fetches_top.min(0xffff) << FETCHES_SHIFT)
+        | ((options.shader_lod * 4.0).round().clamp(0.0, 255.0) as u32) << SHADER_LOD_SHIFT
 }
 
 fn assemble(camera: &Camera, pixels: Vec<Pixel>) -> Rendered {

@@ -4,11 +4,11 @@
 //! pixel linear RGBA, sRGB RGBA of 8 bits, and the AOVs. Barycentrics are recomputed from the snapped vertices, at the
 //! pixel and at its two neighbours, so gradients are analytic and never cross a triangle's border.
 
+use super::beforehand;
 use super::constants::{THRESHOLDS_AT, palette};
-use super::correspond;
 use super::cover::{Edges, edges};
 use super::draw::{DrawRecord, Projected, ViewConstants, draw_of_triangle};
-use super::filter::gather;
+use super::filter::{Gathered, gather};
 use super::frame;
 use super::light::{lit, split, towards_eye};
 use super::picture::Picture;
@@ -25,15 +25,17 @@ pub(crate) const OUTPUT_LIT: u32 = 0;
 pub(crate) const OUTPUT_UNLIT: u32 = 1;
 pub(crate) const OUTPUT_NORMALS: u32 = 2;
 pub(crate) const OUTPUT_FETCHES: u32 = 3;
-const OUTPUT_MASK: u32 = 3;
+pub(crate) const OUTPUT_MASK: u32 = 3;
 /// ... whether the drawn triangles' edges are drawn over it ...
 pub(crate) const FLAG_WIREFRAME: u32 = 4;
 /// ... the [`Filter`], two bits from this one on ...
 pub(crate) const FILTER_SHIFT: u32 = 3;
 /// ... whether base colour is data, written as it is ...
 pub(crate) const FLAG_DATA: u32 = 128;
-/// ... and, from this bit on, the number of fetches at the top of the false-colour scale.
+/// ... from this bit on, 16 bits, the number of fetches at the top of the false-colour scale ...
 pub(crate) const FETCHES_SHIFT: u32 = 8;
+/// ... and, from this bit on, the bound of the shader LoD in quarters of a step of 8 bits.
+pub(crate) const SHADER_LOD_SHIFT: u32 = 24;
 
 /// Colour of wireframe lines, linear.
 const LINE: V3 = [0.004, 0.006, 0.012];
@@ -135,7 +137,6 @@ fn shade(
         vertex,
         asker: corner[3],
     };
-    let found = correspond::find(picture, draw, &drawn);
     let depth = super::cover::depth(&seen, b, [0.0; 2]).unwrap_or(1.0);
     let sight = Sight {
         here: &here,
@@ -146,10 +147,19 @@ fn shade(
     };
     let filter = view.filter();
     let see = |p: &SurfacePoint| surface_seen(picture, &sight, p, view.time);
-    let point = found.point;
-    let gathered = gather((picture, draw), &drawn, filter, found, see);
-    let fetches = gathered.fetches;
-    let surface = gathered.surface.unwrap_or(UNKNOWN);
+    let before = beforehand::at(
+        picture,
+        draw,
+        view,
+        &drawn,
+        (sight.frame, sight.is_turned()),
+    );
+    let Gathered {
+        point,
+        surface,
+        fetches,
+    } = gather((picture, draw), &drawn, filter, before, see);
+    let surface = surface.unwrap_or(UNKNOWN);
     let (linear, rgba8) = colour(picture, view, &sight, &surface, fetches);
     let (triangle, barycentric) = point.map_or((NOTHING, [0.0; 2]), |p| {
         (p.triangle - draw.attribute_base, [p.b[1], p.b[2]])
@@ -187,6 +197,14 @@ struct Sight<'a> {
     attribute_base: u32,
 }
 
+impl Sight<'_> {
+    /// Whether the back is seen. Counter-clockwise is the front, with y up; pixels have y down; a mirroring transform turns
+    /// it again.
+    fn is_turned(&self) -> bool {
+        self.sense as f32 * self.frame.1[0][3] > 0.0
+    }
+}
+
 fn world_position(picture: &Picture, draw: &DrawRecord, vertex: [u32; 3], b: [f32; 3]) -> V3 {
     let [p0, p1, p2] = vertex.map(|v| picture.positions[v as usize]);
     let p = [0, 1, 2].map(|i| b[0] * p0[i] + b[1] * p1[i] + b[2] * p2[i]);
@@ -198,8 +216,7 @@ fn surface_seen(picture: &Picture, sight: &Sight, p: &SurfacePoint, time: f32) -
     let (world, normal) = sight.frame;
     let frame = Frame { world, normal };
     let mut surface = picture.attributes.surface(&picture.constants, p, &frame);
-    // Counter-clockwise is the front, with y up; pixels have y down; a mirroring transform turns it again.
-    if sight.sense as f32 * normal[0][3] > 0.0 {
+    if sight.is_turned() {
         surface.normal = surface.normal.map(|c| -c);
     }
     let triangle = p.triangle - sight.attribute_base;
@@ -285,7 +302,7 @@ pub(crate) fn encode(pixels: &mut [Pixel], constants: &[f32], flags: u32) {
 
 /// False colour of a number of fetches.
 fn false_colour(constants: &[f32], fetches: u32, flags: u32) -> V3 {
-    let top = (flags >> FETCHES_SHIFT) as i32 as f32;
+    let top = (flags >> FETCHES_SHIFT & 0xffff) as i32 as f32;
     palette(constants, fetches as i32 as f32 / top.max(1.0))
 }
 

@@ -8,7 +8,7 @@ use super::deform::{Frames, frames};
 use super::picture::{Geometry, Picture};
 use super::plain;
 use crate::Result;
-use crate::attribute::{AttributeSet, attributes_of};
+use crate::attribute::{AttributeSet, Prefiltered, attributes_of};
 use crate::igt::{Tables, askers, layout};
 use crate::lod::Lod;
 use crate::mesh::Mesh;
@@ -37,6 +37,8 @@ pub struct Subject<'a> {
     pub lod: Option<&'a Lod>,
     /// Layers of the reference's triangles (empty: any), for level 0.
     pub layers: &'a [u8],
+    /// What was filtered beforehand over its primary parameterization; none: every pixel is looked up.
+    pub prefiltered: Option<&'a Prefiltered>,
 }
 
 /// The picture of `scene` at rest, and what was replaced on the way. `subjects` has one element per mesh, or none for the
@@ -193,7 +195,10 @@ impl Staging {
             Some(there) => there,
             None => {
                 let base = self.picture.attributes.push_mesh_of_scene(mesh, number)?;
-                *self.fetched[number].insert((base, self.picture.add_tables(Arc::clone(tables))))
+                let tables = self
+                    .picture
+                    .add_tables(Arc::clone(tables), subject.prefiltered)?;
+                *self.fetched[number].insert((base, tables))
             }
         };
         let line = tables.primary.line();

@@ -201,6 +201,7 @@ pub(crate) fn subjects(built: &Built, level: usize) -> Vec<Subject<'_>> {
                 tables: Some(Arc::new(b.tables.clone())),
                 lod: level.checked_sub(1).map(|k| &b.lods[k]),
                 layers: &b.triangle_layer,
+                prefiltered: None,
             })
     };
     (0..built.scene.meshes.len()).map(subject).collect()

@@ -215,6 +215,7 @@ fn build(model: &(String, Vec<u8>), kind: PrimaryKind, layout: Layout) -> Built 
             triangle_layer,
             tables,
             lods,
+            prefiltered: None,
             report: json!({ "a": 1 }),
         }],
         scene,

@@ -96,7 +96,7 @@ pub(crate) fn picture(all: &[&Inverse]) -> Picture {
                 lod.error,
             )
             .unwrap();
-        let tables = picture.add_tables(Arc::clone(&i.tables));
+        let tables = picture.add_tables(Arc::clone(&i.tables), None).unwrap();
         let world = DMat4::from_translation(glam::DVec3::new(1.7 * k as f64, 0.0, 0.0));
         picture.draw(geometry, base, Some(tables), world).unwrap();
     }

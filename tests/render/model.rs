@@ -127,6 +127,7 @@ impl Built {
                     tables: Some(Arc::clone(&m.tables)),
                     lod: level.checked_sub(1).and_then(|k| m.chain.get(k)),
                     layers: &m.parts.triangle_layer,
+                    prefiltered: None,
                 })
             })
             .collect()

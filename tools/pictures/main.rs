@@ -1,14 +1,15 @@
 //! Makes the pictures of the documentation from the bundled model: `cargo run --release --example pictures`.
 //!
-//! In: `assets/amphora.glb`. Out: `assets/attributes.png`, `assets/solids.png` and `assets/bake.png`, the same bytes on every
-//! machine, as everything is drawn by the processor's deferred path.
+//! In: `assets/amphora.glb`. Out: `assets/attributes.png`, `solids.png`, `bake.png` and `shader-lod.png` beside it, the same bytes
+//! on every machine, as everything is drawn by the processor's deferred path.
 
 use image::{Rgba, RgbaImage, imageops};
 use invertex::asset::{BuildSettings, Built, Processor, build};
 use invertex::attribute::{Shown, ShownOptions, attributes_showing};
-use invertex::recover::{BakeSettings, Baker, Over};
+use invertex::recover::{BakeSettings, Baker, Over, prefilter};
 use invertex::render::{
-    Camera, Correspond, Options, Output, Projection, Renderer, stage_with, subjects,
+    Camera, Correspond, Options, Output, Projection, Renderer, stage, stage_with, subjects,
+    subjects_prefiltered,
 };
 use invertex::scene::Scene;
 use std::error::Error;
@@ -17,6 +18,8 @@ use std::path::Path;
 /// Sides of one picture.
 const WIDTH: u32 = 200;
 const HEIGHT: u32 = 260;
+/// How much a picture from far away is enlarged.
+const ENLARGED: u32 = 4;
 /// The level that is drawn: a tenth of the reference's triangles.
 const LEVEL: usize = 3;
 
@@ -50,7 +53,10 @@ fn main() -> Done<()> {
     )?;
     let mut panels = vec![panel(&built, "base-color", LEVEL)?];
     panels.extend(textures(&built)?);
-    save(&assets.join("bake.png"), &panels)
+    save(&assets.join("bake.png"), &panels)?;
+    let mut filtered = built;
+    prefilter(&mut filtered, 512, &())?;
+    save(&assets.join("shader-lod.png"), &far_away(&filtered)?)
 }
 
 /// The amphora's LoD showing an attribute, as it is or lit.
@@ -90,6 +96,36 @@ fn panel(built: &Built, attribute: &str, level: usize) -> Done<RgbaImage> {
     let image = Renderer::cpu(picture).draw(&camera, &options)?;
     RgbaImage::from_raw(WIDTH, HEIGHT, image.rgba8)
         .ok_or_else(|| "a picture of another size".into())
+}
+
+/// The amphora far away, enlarged: many samples a pixel; one point of each looked up; filtered beforehand; and the loads of the
+/// last one, where a bound of 16 steps is kept.
+fn far_away(built: &Built) -> Done<Vec<RgbaImage>> {
+    let (width, height) = (WIDTH / ENLARGED, HEIGHT / ENLARGED);
+    let subjects = subjects_prefiltered(built, LEVEL);
+    let (picture, _) = stage(&built.scene, &subjects, Correspond::Inverse, false)?;
+    let (centre, radius) = picture.bounding_sphere();
+    let projection = Projection::Perspective;
+    let camera = Camera::framed(centre, radius * 0.8, 25.0, 18.0, projection, width, height)?;
+    let renderer = Renderer::cpu(picture);
+    let panel = |samples, shader_lod, output| -> Done<RgbaImage> {
+        let options = Options {
+            output,
+            samples,
+            shader_lod,
+            fetches_top: 8,
+            ..Options::default()
+        };
+        let image = renderer.draw(&camera, &options)?;
+        let image = RgbaImage::from_raw(width, height, image.rgba8).ok_or("another size")?;
+        Ok(imageops::resize(&image, WIDTH, HEIGHT, imageops::Nearest))
+    };
+    Ok(vec![
+        panel(64, 0.0, Output::Unlit)?,
+        panel(1, 0.0, Output::Unlit)?,
+        panel(1, 63.75, Output::Unlit)?,
+        panel(1, 16.0, Output::Fetches)?,
+    ])
 }
 
 /// Colour, normals and occlusion of the LoD as textures, made small.
