@@ -269,7 +269,7 @@ fn write_maps(folder: &std::path::Path, assessment: &Assessment) -> Result<Vec<S
             for (k, heat) in rating.heat.iter().enumerate() {
                 let values: Vec<Option<u32>> =
                     of(heat).iter().map(|v| v.map(thousandths)).collect();
-                let title = format!("{} {kind}: 1/1000 % of the diagonal", rating.mapping);
+                let title = format!("{} {kind} (0.001 %)", rating.mapping);
                 let (width, height, rgba) = heat_map([heat.size; 2], &values, top, &title)?;
                 let path = folder.join(format!("{k}_{}_{kind}.png", plain(rating.mapping.name())));
                 write_bytes(&path, &encode_png(width, height, &rgba)?)?;
