@@ -2,58 +2,18 @@
 //! the way through a file and back.
 
 mod glb;
+mod maps;
 
 use glb::container;
 use invertex::asset::{self, BuildSettings, Processor};
-use invertex::igt::Ambiguous;
-use invertex::mesh::{Mesh, shapes, smooth_normals};
-use invertex::param::{Computed, Map, PrimaryRequest};
+use invertex::mesh::{Mesh, shapes};
+use invertex::param::{Map, PrimaryRequest};
 use invertex::scene::Scene;
-use serde_json::json;
-
-fn computed(mesh: &Mesh, map: Map) -> (Computed, Mesh) {
-    let computed = map
-        .compute(mesh)
-        .unwrap_or_else(|e| panic!("{}: {e}", mesh.name));
-    assert_eq!(computed.embedding.fault(mesh), None, "{}", mesh.name);
-    let open = computed.embedding.cut_open(mesh);
-    open.validate().unwrap();
-    (computed, open)
-}
-
-/// Triangles that share a place with another, all charts in one layer: exact, on the tables' own grid.
-fn shared(computed: &Computed, open: &Mesh) -> Vec<u32> {
-    Ambiguous::of(open, &computed.primary(), &vec![0; open.triangles.len()])
-        .unwrap()
-        .triangles
-}
-
-/// A mesh of positions and triangles alone.
-fn bare(name: &str, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
-    Mesh {
-        name: name.into(),
-        normals: smooth_normals(&positions, &triangles),
-        triangle_material: vec![0; triangles.len()],
-        positions,
-        triangles,
-        ..Mesh::default()
-    }
-}
-
-/// A ball with dents, so that nothing about it is regular.
-fn dented() -> Mesh {
-    let mut mesh = shapes::icosphere(4);
-    for p in &mut mesh.positions {
-        let dent =
-            1.0 + 0.3 * (5.0 * p[0]).sin() * (4.0 * p[1] + 1.0).cos() + 0.1 * (9.0 * p[2]).sin();
-        *p = p.map(|x| x * dent);
-    }
-    mesh
-}
+use maps::{bare, computed, dented, moebius, scene, shared};
 
 #[test]
 fn a_developable_cylinder_unrolls_without_stretch() {
-    for map in Map::ALL.into_iter().filter(|map| map.has_charts()) {
+    for map in Map::ALL.into_iter().filter(|map| map.takes_stretch()) {
         let (computed, open) = computed(&shapes::tube(24, 5), map);
         let quality = &computed.quality;
         assert_eq!(quality.charts, 1, "{map}");
@@ -106,6 +66,65 @@ fn the_same_mesh_gives_the_same_charts() {
         let mesh = dented();
         let first = map.compute(&mesh).unwrap();
         assert!(map.compute(&mesh).unwrap() == first, "{map}");
+    }
+}
+
+/// A plane's geometry image is the plane.
+#[test]
+fn a_geometry_image_of_a_plane_is_the_identity() {
+    let (computed, open) = computed(&shapes::grid(9), Map::GeometryImage);
+    assert!(
+        (computed.quality.stretch.linf - 1.0).abs() < 1e-4,
+        "{:?}",
+        computed.quality.stretch
+    );
+    assert_eq!(
+        (computed.quality.charts, shared(&computed, &open)),
+        (1, vec![])
+    );
+    let places: Vec<[f32; 3]> = open.embedding.t3.clone();
+    let far = |a: [f32; 3], b: [f32; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f32>().sqrt();
+    let scale = far(places[0], places[9]) / far(open.positions[0], open.positions[9]);
+    for v in 0..open.positions.len() {
+        let wanted = scale * far(open.positions[0], open.positions[v]);
+        assert!(
+            (far(places[0], places[v]) - wanted).abs() < 1e-5,
+            "vertex {v}"
+        );
+    }
+}
+
+#[test]
+fn a_bound_of_the_stretch_is_kept_and_costs_charts() {
+    let of = |stretch: f64| {
+        Map::Lscm
+            .compute_within(&dented(), Some(stretch))
+            .unwrap()
+            .quality
+    };
+    let (tight, loose) = (of(1.01), of(1.2));
+    assert!(
+        tight.stretch.l2 <= 1.01 && loose.stretch.l2 <= 1.2,
+        "{tight:?} {loose:?}"
+    );
+    assert!(
+        tight.charts > loose.charts,
+        "{} {}",
+        tight.charts,
+        loose.charts
+    );
+    let request = |text: &str| text.parse::<PrimaryRequest>();
+    assert_eq!(
+        request("abf:1.05").unwrap(),
+        PrimaryRequest::Computed(Map::Abf, Some(1.05))
+    );
+    for bad in [
+        "lscm:0.5",
+        "lscm:many",
+        "geometry-image:1.1",
+        "isochart:NaN",
+    ] {
+        assert_eq!(request(bad).unwrap_err().exit_code(), 2, "{bad}");
     }
 }
 
@@ -163,33 +182,6 @@ fn bad_meshes_have_charts_or_a_reason() {
     }
 }
 
-fn moebius() -> Mesh {
-    let rounds = 20;
-    let positions = (0..rounds)
-        .flat_map(|i| {
-            let angle = i as f32 / rounds as f32 * std::f32::consts::TAU;
-            [-0.3f32, 0.3].map(|s| {
-                let radius = 1.0 + s * (angle / 2.0).cos();
-                [
-                    radius * angle.cos(),
-                    radius * angle.sin(),
-                    s * (angle / 2.0).sin(),
-                ]
-            })
-        })
-        .collect();
-    let triangles = (0..rounds)
-        .flat_map(|i| {
-            let [a, b] = [2 * i, 2 * i + 1];
-            let last = i == rounds - 1;
-            let [c, d] = if last { [1, 0] } else { [2 * i + 2, 2 * i + 3] };
-            [[a, c, b], [b, c, d]]
-        })
-        .map(|t| t.map(|v| v as u32))
-        .collect();
-    bare("moebius", positions, triangles)
-}
-
 /// Time grows hardly faster than the mesh: nothing is quadratic.
 #[test]
 fn four_times_the_triangles_take_not_much_more_than_four_times_as_long() {
@@ -203,45 +195,21 @@ fn four_times_the_triangles_take_not_much_more_than_four_times_as_long() {
     assert!(large < 16.0 * small, "{small} s, then {large} s");
 }
 
-fn scene(mesh: &Mesh) -> Scene {
-    let positions: &[u8] = bytemuck::cast_slice(&mesh.positions);
-    let indices: &[u8] = bytemuck::cast_slice(&mesh.triangles);
-    let document = json!({
-        "asset": { "version": "2.0" }, "nodes": [{ "mesh": 0 }], "scenes": [{ "nodes": [0] }], "scene": 0,
-        "meshes": [{ "name": "ball", "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
-        "accessors": [
-            { "bufferView": 0, "componentType": 5126, "count": mesh.positions.len(), "type": "VEC3",
-              "min": [-2, -2, -2], "max": [2, 2, 2] },
-            { "bufferView": 1, "componentType": 5125, "count": 3 * mesh.triangles.len(), "type": "SCALAR" }
-        ],
-        "bufferViews": [
-            { "buffer": 0, "byteLength": positions.len() },
-            { "buffer": 0, "byteOffset": positions.len(), "byteLength": indices.len() }
-        ],
-        "buffers": [{ "byteLength": positions.len() + indices.len() }]
-    });
-    Scene::from_bytes(
-        "ball",
-        &container(&document.to_string(), &[positions, indices].concat()),
-        None,
-    )
-    .unwrap()
-}
-
 #[test]
 fn a_computed_map_goes_through_a_file_and_back() {
     let original = scene(&dented());
     for map in Map::ALL {
         let settings = BuildSettings {
-            primary: PrimaryRequest::Computed(map),
+            primary: PrimaryRequest::Computed(map, None),
             lods: vec![0.3, 0.05],
             ..BuildSettings::default()
         };
         let outcome = asset::build(original.clone(), &settings, Processor::Cpu, &()).unwrap();
         let report = &outcome.reports[0];
-        assert_eq!(
-            (&report.primary[..], report.ambiguous_triangles),
-            (map.name(), 0)
+        assert_eq!(report.primary, map.name());
+        assert!(
+            report.ambiguous_triangles == 0 || !map.has_charts(),
+            "{map}"
         );
         assert!(
             report.lods.iter().all(|lod| lod.reached),
@@ -265,7 +233,7 @@ fn a_computed_map_goes_through_a_file_and_back() {
 #[test]
 fn places_that_do_not_fit_are_refused() {
     let settings = BuildSettings {
-        primary: PrimaryRequest::Computed(Map::Lscm),
+        primary: PrimaryRequest::Computed(Map::Lscm, None),
         ..BuildSettings::default()
     };
     let built = asset::build(scene(&shapes::icosphere(2)), &settings, Processor::Cpu, &())

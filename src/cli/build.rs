@@ -45,7 +45,8 @@ pub(super) struct Build {
     /// The file to write.
     #[arg(short, long, value_name = "OUT.glb")]
     output: PathBuf,
-    /// Primary parameterization: auto, uv0, uv1, .., plane[:AXIS], cylinder[:AXIS], sphere[:X,Y,Z], or computed: lscm; or
+    /// Primary parameterization: auto, uv0, uv1, .., plane[:AXIS], cylinder[:AXIS], sphere[:X,Y,Z], or computed:
+    /// lscm, abf, isochart (each with :STRETCH, 1.1 by default), geometry-image, sphere:map; or
     /// MESH=KIND for one mesh. May be given several times.
     #[arg(long, value_name = "[MESH=]KIND", allow_hyphen_values = true)]
     primary: Vec<String>,

@@ -7,9 +7,10 @@ use invertex::asset::{Model, NAMED};
 use invertex::igt::Ambiguous;
 use invertex::mesh::Mesh;
 use invertex::output::check_target;
-use invertex::param::{Fit, PrimaryKind, PrimaryRequest, choose, fits, parts};
+use invertex::param::{Fit, PrimaryKind, PrimaryRequest, fits, parameterize, parts};
 use serde::Serialize;
 
+use super::maps::{self, Asked};
 use super::print::{self, Table, percent, thousands};
 use super::progress::Bar;
 use super::{Common, ambiguous, note};
@@ -24,13 +25,16 @@ JSON: file, materials, textures, images, skins, animations, instances, warnings[
 materials, has_normals.., uv_sets[]: set, charts, overlap_fraction, inside_unit_square, mirrored_fraction;
 primary[]: kind, bijective, turned_fraction, overlap_fraction, degenerate_fraction, centre, worst_triangles[];
 automatic: kind, why (what `build --primary auto` would take; null where nothing fits), ambiguous_triangles,
-ambiguous_area_fraction, ambiguous_first[] (triangles that share a place with another of their part or layer). built[]: for a file that `build`
+ambiguous_area_fraction, ambiguous_first[] (triangles that share a place with another of their part or layer); asked[]
+(with --primary): kind, possible, why, milliseconds, pictures[], map {charts, stretch {l2, linf, angle}, seam_length,
+filled_fraction, turned_triangles[]} or null. built[]: for a file that `build`
 made, what it reported of each mesh; else null.
 
 Examples:
   invertex inspect model.glb
   invertex inspect model.glb --mesh Hose_low           one mesh, with the triangles that do not fit
   invertex inspect model.glb --ambiguous twice.csv     the triangles that share a place with others, all of them
+  invertex inspect scan.glb --primary all --pictures maps/     computed maps side by side, and what they look like
   invertex inspect model.gltf --json | jq '.meshes[].primary[] | select(.bijective) | .kind'")]
 pub(super) struct Inspect {
     /// The model: .glb or .gltf.
@@ -38,6 +42,13 @@ pub(super) struct Inspect {
     /// Only this mesh.
     #[arg(long, value_name = "NAME")]
     mesh: Option<String>,
+    /// Find these primary parameterizations for each mesh and say how good they are: kinds as for `build --primary`,
+    /// separated by commas, or all (those that are computed).
+    #[arg(long, value_name = "KIND,..")]
+    primary: Option<String>,
+    /// With --primary: pictures of each, its layout, a checkerboard on the model and its stretch, into this folder.
+    #[arg(long, value_name = "FOLDER", requires = "primary")]
+    pictures: Option<PathBuf>,
     /// Write the triangles that share a place with another under what auto takes: mesh,triangle, one a line.
     #[arg(long, value_name = "FILE.csv")]
     ambiguous: Option<PathBuf>,
@@ -69,6 +80,8 @@ struct MeshReport {
     uv_sets: Vec<UvSetReport>,
     primary: Vec<PrimaryReport>,
     automatic: Option<Automatic>,
+    /// What --primary named.
+    asked: Vec<Asked>,
 }
 
 #[derive(Serialize)]
@@ -109,6 +122,7 @@ struct Automatic {
 impl Inspect {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
         self.ambiguous.as_deref().map_or(Ok(()), check_target)?;
+        let requests = self.primary.as_deref().map_or(Ok(vec![]), maps::requests)?;
         let model = Model::load(&self.input)?;
         let built = match &model {
             Model::Plain(_) => None,
@@ -133,7 +147,11 @@ impl Inspect {
         for (k, mesh) in scene.meshes.iter().enumerate() {
             if self.mesh.as_ref().is_none_or(|name| *name == mesh.name) {
                 bar.at(&mesh.name, k as u64, scene.meshes.len() as u64);
-                meshes.push(mesh_report(mesh));
+                let mut report = mesh_report(mesh);
+                if !mesh.triangles.is_empty() {
+                    report.asked = maps::asked(mesh, &requests, self.pictures.as_deref())?;
+                }
+                meshes.push(report);
             }
         }
         drop(bar);
@@ -193,12 +211,18 @@ fn mesh_report(mesh: &Mesh) -> MeshReport {
             .collect(),
         automatic: automatic(mesh),
         primary: fits.iter().map(primary_report).collect(),
+        asked: vec![],
     }
 }
 
 /// What `build` would take, and what would be ambiguous.
 fn automatic(mesh: &Mesh) -> Option<Automatic> {
-    let (primary, why) = choose(mesh, &PrimaryRequest::Auto).ok()?;
+    let chosen = parameterize(mesh, &PrimaryRequest::Auto).ok()?;
+    let open = chosen
+        .computed
+        .as_ref()
+        .map(|computed| computed.embedding.cut_open(mesh));
+    let (mesh, primary, why) = (open.as_ref().unwrap_or(mesh), chosen.primary, chosen.why);
     let layer = parts(mesh, &primary).triangle_layer;
     let ambiguous = Ambiguous::of(mesh, &primary, &layer).unwrap_or_default();
     Some(Automatic {
@@ -281,6 +305,7 @@ fn readable(report: &Report, detail: bool) -> String {
             text += &format!("  uv{}: {charts}, {inside} the unit square\n", set.set);
         }
         text += &primary_table(mesh, detail);
+        text += &maps::readable(&mesh.asked);
         match &mesh.automatic {
             Some(automatic) => {
                 text += &format!("  auto takes {}\n", automatic.why);

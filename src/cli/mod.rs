@@ -20,6 +20,7 @@ mod drawing;
 mod inspect;
 mod lod_choice;
 mod manual;
+mod maps;
 mod motion;
 mod points;
 mod print;

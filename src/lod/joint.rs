@@ -5,16 +5,18 @@
 
 use super::LodInput;
 use super::motion::{Motion, Shape};
+use crate::param::PrimaryKind;
 use crate::param::fit_surface::weld;
 use crate::param::weld::by_place;
 use glam::{DMat4, DVec3, Mat4};
 
-/// What a uv difference of 1 weighs beside a distance of the model's extent. Small: it keeps uv from shearing, the
+/// What a difference of 1 in T3 weighs beside a distance of the model's extent. Small: it keeps uv from shearing, the
 /// chart borders are kept by topology. (The best of the weights measured for plain textured LoDs.)
-const UV_WEIGHT: f32 = 0.1;
+const T3_WEIGHT: f32 = 0.1;
 
-/// Numbers of uv per vertex.
-const UV: usize = 2;
+/// Numbers of T3 per vertex: of charts, and where a map without seams is computed.
+const FLAT: usize = 2;
+const SPATIAL: usize = 3;
 
 /// One vertex of the joint mesh.
 #[derive(Clone, Copy, Debug)]
@@ -33,10 +35,13 @@ pub(super) struct Origin {
 pub(super) struct Joint {
     /// World positions.
     pub(super) positions: Vec<[f32; 3]>,
-    /// `stride` numbers per vertex: uv times weight for charts, zero for seamless meshes; then those of its motion.
+    /// `stride` numbers per vertex: places in T3 times weight where they are no function of position, else zero; then those
+    /// of its motion.
     pub(super) attributes: Vec<f32>,
     /// Numbers per vertex in `attributes`.
     pub(super) stride: usize,
+    /// How many of them are of T3: the first two or three coordinates.
+    pub(super) t3: usize,
     /// Where each vertex comes from.
     pub(super) origins: Vec<Origin>,
     /// Three per triangle; none degenerate.
@@ -54,16 +59,23 @@ impl Joint {
     pub(super) fn new(meshes: &[LodInput<'_>], shapes: &[Vec<Shape>]) -> Self {
         let worlds: Vec<DMat4> = meshes.iter().map(world).collect();
         let motion = Motion::new(meshes, shapes, &worlds);
-        let charts = meshes.iter().any(|input| !input.primary.is_seamless());
+        let carried = meshes.iter().any(|input| carried(input.primary.kind));
+        let spatial = |input: &LodInput| matches!(input.primary.kind, PrimaryKind::Computed(map) if !map.has_charts());
+        let t3 = if meshes.iter().any(spatial) {
+            SPATIAL
+        } else {
+            FLAT
+        };
         let mut joint = Joint {
             positions: vec![],
             attributes: vec![],
-            stride: UV + motion.numbers(),
+            stride: t3 + motion.numbers(),
+            t3,
             origins: vec![],
             indices: vec![],
             reference_triangles: meshes.iter().map(|input| input.mesh.triangles.len()).sum(),
             worlds,
-            has_attributes: charts || motion.numbers() > 0,
+            has_attributes: carried || motion.numbers() > 0,
         };
         for (m, input) in meshes.iter().enumerate() {
             joint.append(m, input, &motion);
@@ -111,19 +123,29 @@ impl Joint {
                 .as_vec3()
                 .to_array(),
         );
-        self.attributes.extend(if input.primary.kind.has_charts() {
-            let [u, v, _] = input.primary.t3_of(input.mesh, origin.vertex as usize);
-            [u, v].map(|x| x as f32 * UV_WEIGHT)
-        } else {
-            [0.0; UV]
-        });
+        let t3 = match carried(input.primary.kind) {
+            true => input.primary.t3_of(input.mesh, origin.vertex as usize),
+            false => [0.0; 3],
+        };
+        self.attributes
+            .extend(t3.iter().take(self.t3).map(|&x| x as f32 * T3_WEIGHT));
         self.origins.push(origin);
     }
 }
 
-/// A chart's uv from a vertex's attributes, of which each has `stride`.
-pub(super) fn uv_of(attributes: &[f32], stride: usize, vertex: usize) -> [f64; 2] {
-    [0, 1].map(|k| f64::from(attributes[vertex * stride + k]) / f64::from(UV_WEIGHT))
+/// Whether T3 is an attribute of vertices, not a function of their positions.
+pub(super) fn carried(kind: PrimaryKind) -> bool {
+    kind.has_charts() || matches!(kind, PrimaryKind::Computed(_))
+}
+
+/// A vertex's place in T3 from `attributes`, which are those of `joint` or what the simplifier made of them.
+pub(super) fn t3_of(joint: &Joint, attributes: &[f32], vertex: usize) -> [f64; 3] {
+    let first = vertex * joint.stride;
+    let number = |k: usize| match k < joint.t3 {
+        true => f64::from(attributes[first + k]) / f64::from(T3_WEIGHT),
+        false => 0.0,
+    };
+    [0, 1, 2].map(number)
 }
 
 /// Object to world in f64; identity where it cannot be undone or throws points out of the range of f32.

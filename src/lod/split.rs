@@ -4,10 +4,11 @@
 //! order that is kind to vertex caches.
 
 use super::carry::{self, Carry};
-use super::joint::{Joint, uv_of};
+use super::joint::{Joint, carried, t3_of};
 use super::simplify::Simplified;
 use super::{Lod, LodInput};
 use crate::mesh::smooth_normals;
+use crate::param::PrimaryKind;
 use crate::param::fit_surface::t3_facing;
 use glam::DVec3;
 
@@ -108,13 +109,14 @@ fn push_vertex(
     } else {
         moved.to_array()
     };
-    let uv = uv_of(&simplified.attributes, joint.stride, v);
-    let same_uv =
-        uv == uv_of(&joint.attributes, joint.stride, v) || !uv.iter().all(|x| x.is_finite());
-    let t3 = match primary.kind.has_charts() {
-        true if same_uv => primary.t3_of(mesh, origin),
-        true => [uv[0], uv[1], 0.0],
-        false => primary.t3_of_position(position.map(f64::from)),
+    let place = t3_of(joint, &simplified.attributes, v);
+    let same_place =
+        place == t3_of(joint, &joint.attributes, v) || !place.iter().all(|x| x.is_finite());
+    let t3 = match (carried(primary.kind), primary.kind) {
+        (true, _) if same_place => primary.t3_of(mesh, origin),
+        (true, PrimaryKind::Computed(map)) => map.onto(place),
+        (true, _) => place,
+        (false, _) => primary.t3_of_position(position.map(f64::from)),
     };
     lod.positions.push(position);
     lod.t3.push(primary.to_grid(t3));

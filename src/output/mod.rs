@@ -7,6 +7,7 @@ mod exr;
 mod file;
 mod glb;
 mod heat_map;
+mod map_picture;
 mod png;
 pub mod report;
 
@@ -14,4 +15,5 @@ pub use exr::{Aov, encode_exr};
 pub use file::{check_target, make_folder, write_bytes};
 pub use glb::{TexturePlace, TexturedMesh, encode_glb};
 pub use heat_map::heat_map;
+pub use map_picture::{MapPictures, map_pictures};
 pub use png::encode_png;

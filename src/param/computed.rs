@@ -8,6 +8,7 @@
 use super::charts::{self, Stretch};
 use super::grid::Frame;
 use super::projection::Line;
+use super::spherical;
 use super::{Primary, PrimaryKind};
 use crate::error::Result;
 use crate::mesh::{Embedding, Mesh};
@@ -20,16 +21,40 @@ use std::fmt;
 pub enum Map {
     /// Charts by least squares conformal maps.
     Lscm,
+    /// Charts by angle based flattening.
+    Abf,
+    /// Few charts by spectral analysis of geodesic distances.
+    Isochart,
+    /// Each part opened to a disk and laid on a square.
+    GeometryImage,
+    /// Surfaces without handles on a sphere, without a seam.
+    Sphere,
 }
 
 impl Map {
     /// All of them.
-    pub const ALL: [Map; 1] = [Map::Lscm];
+    pub const ALL: [Map; 5] = [
+        Map::Lscm,
+        Map::Abf,
+        Map::Isochart,
+        Map::GeometryImage,
+        Map::Sphere,
+    ];
 
     /// The projection lines of T3 (P of the paper).
     pub fn line(self) -> Line {
         match self {
-            Map::Lscm => Line::Parallel,
+            Map::Lscm | Map::Abf | Map::Isochart | Map::GeometryImage => Line::Parallel,
+            Map::Sphere => Line::Sphere,
+        }
+    }
+
+    /// The place in T3 that a point near the map's image stands for: a LoD's vertices are moved in T3, and may leave the
+    /// sphere on which projection lines meet everything at a right angle.
+    pub fn onto(self, t3: [f64; 3]) -> [f64; 3] {
+        match self {
+            Map::Lscm | Map::Abf | Map::Isochart | Map::GeometryImage => t3,
+            Map::Sphere => spherical::onto(t3),
         }
     }
 
@@ -47,7 +72,16 @@ impl Map {
     pub fn name(self) -> &'static str {
         match self {
             Map::Lscm => "lscm",
+            Map::Abf => "abf",
+            Map::Isochart => "isochart",
+            Map::GeometryImage => "geometry-image",
+            Map::Sphere => "sphere:map",
         }
+    }
+
+    /// Whether a bound of the stretch decides how many charts there are.
+    pub fn takes_stretch(self) -> bool {
+        matches!(self, Map::Lscm | Map::Abf | Map::Isochart)
     }
 
     /// Computes the map of `mesh`.
@@ -55,7 +89,21 @@ impl Map {
     /// # Errors
     /// [`Error::Parameterization`](crate::Error::Parameterization) where the mesh cannot have it, and why.
     pub fn compute(self, mesh: &Mesh) -> Result<Computed> {
-        charts::unwrap(mesh, self)
+        self.compute_within(mesh, None)
+    }
+
+    /// The same, with charts merged only while their stretch (L2) is no more than `stretch`, where it is given and the map
+    /// takes it.
+    ///
+    /// # Errors
+    /// As [`Map::compute`].
+    pub fn compute_within(self, mesh: &Mesh, stretch: Option<f64>) -> Result<Computed> {
+        match self {
+            Map::Lscm | Map::Abf | Map::Isochart | Map::GeometryImage => {
+                charts::unwrap(mesh, self, stretch)
+            }
+            Map::Sphere => spherical::sphere(mesh),
+        }
     }
 }
 

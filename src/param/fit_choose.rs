@@ -32,7 +32,7 @@ pub fn choose(mesh: &Mesh, request: &PrimaryRequest) -> Result<(Primary, String)
         ));
     }
     let (fit, why) = match *request {
-        PrimaryRequest::Auto => automatic(mesh)?,
+        PrimaryRequest::Auto => automatic(mesh).map(|(fit, why, _)| (fit, why))?,
         PrimaryRequest::UvSet(set) => asked(mesh, &[PrimaryKind::UvSet(set)], None)?,
         PrimaryRequest::Plane(axis) => asked(mesh, &axes(axis).map(PrimaryKind::Plane), None)?,
         PrimaryRequest::Cylinder(axis) => {
@@ -43,7 +43,7 @@ pub fn choose(mesh: &Mesh, request: &PrimaryRequest) -> Result<(Primary, String)
             &[PrimaryKind::Sphere],
             centre.map(|c| c.map(f64::from)),
         )?,
-        PrimaryRequest::Computed(map) => {
+        PrimaryRequest::Computed(map, _) => {
             return Err(refuse(mesh, format!("{map} has to be computed")));
         }
     };
@@ -69,13 +69,15 @@ fn asked(mesh: &Mesh, kinds: &[PrimaryKind], centre: Option<[f64; 3]>) -> Result
     ))
 }
 
-fn automatic(mesh: &Mesh) -> Result<(Fit, String)> {
+/// The best that the file and positions give, why, and whether it is any good.
+fn automatic(mesh: &Mesh) -> Result<(Fit, String, bool)> {
     let all = fits(mesh);
     let seamless = || all.iter().filter(|f| f.is_seamless());
     if let Some(best) = most_facing(seamless().filter(|f| f.bijective)) {
         return Ok((
             best.clone(),
             format!("{}, seamless and {}", best.kind, verdict(best)),
+            true,
         ));
     }
     let near = |f: &&Fit| f.turned_fraction <= NEARLY && f.degenerate_fraction <= ENDS;
@@ -85,7 +87,7 @@ fn automatic(mesh: &Mesh) -> Result<(Fit, String)> {
             best.kind,
             verdict(best)
         );
-        return Ok((best.clone(), why));
+        return Ok((best.clone(), why, true));
     }
     let charts = least_fault(all.iter().filter(|f| !f.is_seamless()));
     let rival = least_fault(seamless());
@@ -100,6 +102,7 @@ fn automatic(mesh: &Mesh) -> Result<(Fit, String)> {
         return Ok((
             best.clone(),
             format!("{}: {}{instead}", best.kind, verdict(best)),
+            true,
         ));
     }
     let best =
@@ -111,7 +114,20 @@ fn automatic(mesh: &Mesh) -> Result<(Fit, String)> {
             best.kind,
             verdict(best)
         ),
+        false,
     ))
+}
+
+/// What [`choose`] gives for [`PrimaryRequest::Auto`], if that is any good; else why not.
+///
+/// # Errors
+/// As [`choose`], where nothing can be had.
+pub(super) fn sound(mesh: &Mesh) -> Result<std::result::Result<(Primary, String), String>> {
+    let (fit, why, good) = automatic(mesh)?;
+    Ok(match good {
+        true => Ok((fit.primary(mesh)?, why)),
+        false => Err(format!("{}: {}", fit.kind, verdict(&fit))),
+    })
 }
 
 /// The fit whose projection lines meet the surface most squarely; the first of equals.

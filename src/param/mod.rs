@@ -17,6 +17,7 @@ pub mod grid;
 pub mod layer;
 mod parameterize;
 pub mod projection;
+mod spherical;
 pub(crate) mod weld;
 
 use crate::error::{Error, Result};
@@ -258,8 +259,8 @@ pub enum PrimaryRequest {
     Cylinder(Option<Axis>),
     /// `sphere` or `sphere:x,y,z` (the centre).
     Sphere(Option<[f32; 3]>),
-    /// A computed map, by its name.
-    Computed(Map),
+    /// A computed map, and for charts how much they may be stretched: `lscm`, `lscm:1.05`.
+    Computed(Map, Option<f64>),
 }
 
 impl FromStr for PrimaryRequest {
@@ -270,6 +271,9 @@ impl FromStr for PrimaryRequest {
             option: "--primary",
             reason,
         };
+        if let Some(map) = Map::named(text) {
+            return Ok(PrimaryRequest::Computed(map, None));
+        }
         let (kind, parameter) = match text.split_once(':') {
             Some((kind, parameter)) => (kind, Some(parameter)),
             None => (text, None),
@@ -281,14 +285,20 @@ impl FromStr for PrimaryRequest {
             Some("z") => Ok(Some(Axis::Z)),
             Some(other) => Err(refuse(format!("axis \"{other}\" is not x, y or z"))),
         };
+        if let (Some(map), Some(bound)) = (Map::named(kind), parameter)
+            && map.takes_stretch()
+        {
+            let stretch = bound.parse().ok().filter(|s| (1.0..=10.0).contains(s));
+            let stretch = stretch.ok_or_else(|| {
+                refuse(format!("stretch \"{bound}\" is not a number from 1 to 10"))
+            })?;
+            return Ok(PrimaryRequest::Computed(map, Some(stretch)));
+        }
         match kind {
             "auto" if parameter.is_none() => Ok(PrimaryRequest::Auto),
             "plane" => Ok(PrimaryRequest::Plane(axis()?)),
             "cylinder" => Ok(PrimaryRequest::Cylinder(axis()?)),
             "sphere" => Ok(PrimaryRequest::Sphere(parameter.map(centre).transpose()?)),
-            _ if parameter.is_none() && Map::named(kind).is_some() => {
-                Ok(Map::named(kind).map_or(PrimaryRequest::Auto, PrimaryRequest::Computed))
-            }
             _ => match kind.strip_prefix("uv").map(u8::from_str) {
                 Some(Ok(set)) if parameter.is_none() => Ok(PrimaryRequest::UvSet(set)),
                 _ => Err(refuse(format!(

@@ -5,7 +5,7 @@
 //! before anything else is done with it.
 
 use super::computed::{Computed, Map};
-use super::fit_choose::choose;
+use super::fit_choose::{choose, sound};
 use super::{Primary, PrimaryRequest};
 use crate::error::Result;
 use crate::mesh::Mesh;
@@ -27,7 +27,8 @@ pub struct Chosen {
 /// [`Error::Parameterization`](crate::Error::Parameterization) where the request cannot be had, or nothing can, saying what to do.
 pub fn parameterize(mesh: &Mesh, request: &PrimaryRequest) -> Result<Chosen> {
     match *request {
-        PrimaryRequest::Computed(map) => computed(mesh, map),
+        PrimaryRequest::Computed(map, stretch) => computed(mesh, map, stretch),
+        PrimaryRequest::Auto if !mesh.triangles.is_empty() => automatic(mesh),
         _ => {
             let (primary, why) = choose(mesh, request)?;
             Ok(Chosen {
@@ -39,8 +40,49 @@ pub fn parameterize(mesh: &Mesh, request: &PrimaryRequest) -> Result<Chosen> {
     }
 }
 
-fn computed(mesh: &Mesh, map: Map) -> Result<Chosen> {
-    let computed = map.compute(mesh)?;
+/// A sphere is taken up to this stretch: what it shrinks more has too few texels of the hash.
+const STRETCH: f64 = 2.0;
+
+/// What the file and positions give, if that is any good; else a sphere, else charts; else what there was.
+fn automatic(mesh: &Mesh) -> Result<Chosen> {
+    let instead = match sound(mesh) {
+        Ok(Ok((primary, why))) => {
+            return Ok(Chosen {
+                primary,
+                why,
+                computed: None,
+            });
+        }
+        Ok(Err(best)) => format!("the best of the others is {best}"),
+        Err(_) => "nothing else can be had".into(),
+    };
+    let whole = |computed: &Computed| computed.quality.turned_triangles.is_empty();
+    let sphere = Map::Sphere.compute(mesh);
+    let round = |computed: &Computed| whole(computed) && computed.quality.stretch.l2 <= STRETCH;
+    let (computed, how) = match sphere {
+        Ok(sphere) if round(&sphere) => (sphere, "seamless, computed"),
+        _ => match Map::Lscm.compute(mesh) {
+            Ok(charts) if whole(&charts) => (charts, "charts, computed"),
+            _ => {
+                let (primary, why) = choose(mesh, &PrimaryRequest::Auto)?;
+                return Ok(Chosen {
+                    primary,
+                    why,
+                    computed: None,
+                });
+            }
+        },
+    };
+    let why = format!("{}, {how}: {}; {instead}", computed.map, verdict(&computed));
+    Ok(Chosen {
+        primary: computed.primary(),
+        why,
+        computed: Some(computed),
+    })
+}
+
+fn computed(mesh: &Mesh, map: Map, stretch: Option<f64>) -> Result<Chosen> {
+    let computed = map.compute_within(mesh, stretch)?;
     let why = format!("{map}, as asked: {}", verdict(&computed));
     Ok(Chosen {
         primary: computed.primary(),
@@ -52,9 +94,14 @@ fn computed(mesh: &Mesh, map: Map) -> Result<Chosen> {
 /// What the numbers say, in a clause.
 fn verdict(computed: &Computed) -> String {
     let quality = &computed.quality;
+    let pieces = if computed.map.has_charts() {
+        "chart"
+    } else {
+        "part"
+    };
     let charts = match quality.charts {
-        1 => "1 chart".to_owned(),
-        n => format!("{n} charts"),
+        1 => format!("1 {pieces}"),
+        n => format!("{n} {pieces}s"),
     };
     let whole = match quality.turned_triangles.len() {
         0 => "one-to-one on the grid".to_owned(),

@@ -27,7 +27,19 @@ pub(crate) struct Chart {
 impl Chart {
     /// The chart of `triangles` (growing numbers), which hang together over edges; `None` where no cut makes it a disk.
     pub(crate) fn new(surface: &Surface, triangles: Vec<u32>) -> Option<Chart> {
+        Chart::opened(surface, triangles, &[])
+    }
+
+    /// The same, with `slits` in it: half-edges of the surface that are cut first.
+    pub(crate) fn opened(surface: &Surface, triangles: Vec<u32>, slits: &[u32]) -> Option<Chart> {
         let mut across = inside(surface, &triangles);
+        for slit in slits {
+            let local = 3 * triangles.binary_search(&(slit / 3)).ok()? + *slit as usize % 3;
+            let other = std::mem::replace(&mut across[local], NONE);
+            if other != NONE {
+                across[other as usize] = NONE;
+            }
+        }
         let whole = Vertices::new(&across);
         let edges = across.len() - across.iter().filter(|&&a| a != NONE).count() / 2;
         let euler = whole.count as isize - edges as isize + triangles.len() as isize;
@@ -54,7 +66,7 @@ impl Chart {
             corners,
             places,
             rim,
-            cuts,
+            cuts: cuts + slits.len(),
         })
     }
 

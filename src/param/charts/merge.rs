@@ -35,6 +35,12 @@ pub(crate) struct Bound {
     pub(crate) linf: f64,
 }
 
+impl Bound {
+    fn holds(&self, stretch: &Stretch) -> bool {
+        stretch.l2 <= self.l2 && stretch.linf <= self.linf
+    }
+}
+
 /// Most rounds; each takes about as long as flattening the whole surface.
 const ROUNDS: usize = 24;
 
@@ -76,6 +82,13 @@ pub(crate) fn charts(
     charts
 }
 
+/// The charts laid flat by another method.
+pub(crate) fn again(surface: &Surface, charts: Vec<Flat>, flatten: Flatten) -> Vec<Flat> {
+    let other = |flat: Flat| divided(surface, flat.chart.triangles, flatten);
+    let all: Vec<Vec<Flat>> = charts.into_par_iter().map(other).collect();
+    all.into_iter().flatten().collect()
+}
+
 /// The triangles as a chart that is one-to-one, or as several.
 pub(crate) fn divided(surface: &Surface, triangles: Vec<u32>, flatten: Flatten) -> Vec<Flat> {
     let mut out = vec![];
@@ -110,6 +123,11 @@ fn flat(surface: &Surface, triangles: Vec<u32>, flatten: Flatten) -> Result<Flat
         }
         None => Err(triangles),
     }
+}
+
+/// Whether triangles can be laid flat as one chart within the bound.
+pub(crate) fn within(surface: &Surface, triangles: &[u32], flatten: Flatten, bound: Bound) -> bool {
+    flat(surface, triangles.to_vec(), flatten).is_ok_and(|flat| bound.holds(&flat.stretch))
 }
 
 /// Divides triangles (growing) in two halves that each hang together: what is nearer to one of two ends.
@@ -248,7 +266,6 @@ impl Merging<'_> {
         let mut triangles = [&a?.chart.triangles[..], &b?.chart.triangles[..]].concat();
         triangles.sort_unstable();
         let flat = flat(self.surface, triangles, self.flatten).ok()?;
-        let within = flat.stretch.l2 <= self.bound.l2 && flat.stretch.linf <= self.bound.linf;
-        within.then_some(flat)
+        self.bound.holds(&flat.stretch).then_some(flat)
     }
 }

@@ -11,9 +11,12 @@
 //! chart: their corners lie in one point. Every step is the same on every run: sums are taken in the order of triangles, and
 //! charts are solved side by side but never together.
 
+mod abf;
 mod chart;
 mod cut;
+mod geometry_image;
 mod injective;
+mod isochart;
 mod lscm;
 mod merge;
 mod pack;
@@ -23,29 +26,42 @@ mod stretch;
 mod surface;
 
 use crate::error::{Error, Result};
-use crate::mesh::{Embedding, Mesh};
+use crate::mesh::{Embedding, Mesh, NONE};
 use merge::{Bound, Flat, Flatten, charts};
+use rayon::prelude::*;
 use settle::{Settled, settle};
 use std::collections::BTreeMap;
 pub use stretch::Stretch;
+pub(crate) use stretch::Sums;
 use surface::Surface;
 
 use super::computed::{Computed, Map, Quality};
 use super::grid::Frame;
 
-/// How far a piece may be from flat before anything is measured: normals lose this share of their area.
-const BEND: f64 = 0.06;
-/// What merged charts may cost.
-const BOUND: Bound = Bound { l2: 1.1, linf: 3.0 };
+/// L2 stretch that a chart may have where nobody says otherwise.
+const STRETCH: f64 = 1.1;
+
+/// What merged charts may cost, by the L2 stretch: the largest stretch anywhere follows.
+fn bound(l2: f64) -> Bound {
+    Bound {
+        l2,
+        linf: 1.5 + 15.0 * (l2 - 1.0),
+    }
+}
+
+/// How far a piece may be from flat before anything is measured (see [`segment`]): well within what the stretch allows.
+fn bend(bound: Bound) -> f64 {
+    (0.6 * (bound.l2 - 1.0)).clamp(0.004, 0.06)
+}
 
 /// Steps of the vertex grid per unit of uv: the packed charts reach from 1/64 to 63/64 and fill 31/32 of the grid.
 const GRID_STEPS: f64 = (1u32 << 24) as f64;
 
-/// The charts of `mesh` by `map`, which is a method of charts.
+/// The charts of `mesh` by `map`, which is a method of charts, with an L2 stretch up to `stretch`.
 ///
 /// # Errors
 /// [`Error::Parameterization`] where no triangle has area.
-pub(crate) fn unwrap(mesh: &Mesh, map: Map) -> Result<Computed> {
+pub(crate) fn unwrap(mesh: &Mesh, map: Map, stretch: Option<f64>) -> Result<Computed> {
     let surface = Surface::new(mesh);
     if (0..mesh.triangles.len()).all(|t| !surface.usable(t)) {
         return Err(Error::Parameterization {
@@ -54,8 +70,10 @@ pub(crate) fn unwrap(mesh: &Mesh, map: Map) -> Result<Computed> {
         });
     }
     let flatten = flatten(map);
-    let (piece, count) = segment::pieces(&surface, BEND);
-    let flats = charts(&surface, &piece, count, flatten, BOUND);
+    let flats = match map {
+        Map::GeometryImage => squares(mesh, &surface)?,
+        _ => several(&surface, map, bound(stretch.unwrap_or(STRETCH))),
+    };
     let settled = settle(&surface, flats, flatten);
     let quality = quality(&surface, &settled);
     Ok(Computed {
@@ -69,9 +87,65 @@ pub(crate) fn unwrap(mesh: &Mesh, map: Map) -> Result<Computed> {
     })
 }
 
+/// Pieces, merged, laid flat by the method.
+fn several(surface: &Surface, map: Map, bound: Bound) -> Vec<Flat> {
+    let (piece, count) = match map {
+        Map::Isochart => spectral(surface, bound),
+        _ => segment::pieces(surface, bend(bound)),
+    };
+    // The conformal map says fast how large a chart may be; the method lays flat what came of it.
+    let merged = charts(surface, &piece, count, lscm::lscm, bound);
+    match map {
+        Map::Abf => merge::again(surface, merged, abf::abf),
+        _ => merged,
+    }
+}
+
+/// Triangles that can be laid flat, by connected part.
+fn parts(surface: &Surface) -> Vec<Vec<u32>> {
+    let usable = (0..surface.triangles.len() as u32).filter(|&t| surface.usable(t as usize));
+    isochart::connected(surface, usable.collect())
+}
+
+/// Each part on a square of its own.
+fn squares(mesh: &Mesh, surface: &Surface) -> Result<Vec<Flat>> {
+    let laid: Vec<Option<Flat>> = parts(surface)
+        .par_iter()
+        .map(|part| geometry_image::square(surface, part))
+        .collect();
+    let refused = || {
+        Error::Parameterization {
+        mesh: mesh.name.clone(),
+        reason: "geometry-image cannot be had: a part of it is stretched past the numbers' range on a square; charts can be had, such as --primary lscm".into(),
+    }
+    };
+    laid.into_iter()
+        .map(|flat| flat.ok_or_else(refused))
+        .collect()
+}
+
+/// Pieces of each part of the surface that can be laid flat within the bound, by spectral analysis.
+fn spectral(surface: &Surface, bound: Bound) -> (Vec<u32>, usize) {
+    let good = |triangles: &[u32]| merge::within(surface, triangles, lscm::lscm, bound);
+    let pieces: Vec<Vec<Vec<u32>>> = parts(surface)
+        .into_par_iter()
+        .map(|part| isochart::pieces(surface, part, &good))
+        .collect();
+    let mut piece = vec![NONE; surface.triangles.len()];
+    let mut count = 0;
+    for triangles in pieces.into_iter().flatten() {
+        triangles
+            .iter()
+            .for_each(|&t| piece[t as usize] = count as u32);
+        count += 1;
+    }
+    (piece, count)
+}
+
 fn flatten(map: Map) -> Flatten {
     match map {
-        Map::Lscm => lscm::lscm,
+        Map::Abf => abf::abf,
+        _ => lscm::lscm,
     }
 }
 

@@ -7,7 +7,7 @@
 
 use super::chart::Chart;
 use super::lscm::laid_flat;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// The stretch of a map whose area is that of the surface.
@@ -43,6 +43,11 @@ impl Sums {
         self.squares += 0.5 * double * 0.5 * (gamma * gamma + little * little);
         self.angles += 0.5 * double * (0.5 * (large / small + small / large) - 1.0);
         self.worst = self.worst.max(gamma);
+    }
+
+    /// Adds a triangle of the surface and its image, both in space, wound alike.
+    pub(crate) fn add_in_space(&mut self, corners: [DVec3; 3], image: [DVec3; 3]) {
+        self.add(laid_flat(corners), laid_flat(image));
     }
 
     /// Both together.
