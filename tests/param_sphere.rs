@@ -3,7 +3,7 @@
 mod glb;
 mod maps;
 
-use invertex::asset::{self, BuildSettings, Processor};
+use invertex::asset::{self, BuildSettings, LodReport, Processor};
 use invertex::mesh::{Mesh, shapes};
 use invertex::param::{Map, PrimaryKind, PrimaryRequest, fit, parameterize};
 use maps::{bare, computed, corkscrew, dented, moebius, scene};
@@ -157,12 +157,9 @@ fn lods_of_a_computed_sphere_have_no_floor() {
     let outcome = asset::build(scene(&corkscrew()), &settings, Processor::Cpu, &()).unwrap();
     let lods = &outcome.reports[0].lods;
     assert!(lods.iter().all(|lod| lod.reached), "{lods:?}");
-    // A simplifier does not look at T3, and may turn thin triangles over there: none, then few.
-    assert_eq!(lods[0].turned, 0, "{lods:?}");
-    assert!(
-        lods[1].turned as usize * 20 <= lods[1].triangles,
-        "{lods:?}"
-    );
+    // A simplifier does not look at T3, and turns some triangles over there: fewer than one in twenty, while there are hundreds.
+    let few = |lod: &LodReport| lod.turned as usize * 20 <= lod.triangles;
+    assert!(lods[..2].iter().all(few), "{lods:?}");
     assert!(lods[2].triangles <= 51, "{lods:?}");
 }
 
