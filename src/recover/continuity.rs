@@ -8,7 +8,7 @@
 
 use super::laid::Laid;
 use super::texel;
-use crate::mesh::{Adjacency, NONE};
+use crate::mesh::{Adjacency, NONE, Weld};
 use rayon::prelude::*;
 
 /// Steps from triangle to triangle before a neighbour is given up.
@@ -46,6 +46,7 @@ impl Links {
             size,
             owners: &owners,
             across: Adjacency::new(&welded).across,
+            flat: Weld::by_position_and_uv(&low.world, 0).triangles(&low.world.triangles),
             welded,
         };
         let next = texels.par_iter().map(|&at| {
@@ -97,7 +98,10 @@ struct Walk<'a> {
     low: &'a Laid,
     size: u32,
     owners: &'a [u32],
+    /// Corners by place.
     welded: Vec<[u32; 3]>,
+    /// Corners by place in space and texture.
+    flat: Vec<[u32; 3]>,
     across: Vec<[u32; 3]>,
 }
 
@@ -141,12 +145,19 @@ impl Walk<'_> {
                 return None;
             }
             let next = other as usize;
-            if self.low.chart[next] != self.low.chart[t] {
+            if !self.joined(t, k, next) {
                 return Some((next, self.landed(t, k, next, &corners, from, to)?));
             }
             (came, t) = (t as u32, next);
         }
         None
+    }
+
+    /// Whether the texture goes on over edge `k` of `t` into `next`: a chart may meet itself across a seam.
+    fn joined(&self, t: usize, k: usize, next: usize) -> bool {
+        let both = [k, (k + 1) % 3];
+        both.iter()
+            .all(|&k| self.flat[next].contains(&self.flat[t][k]))
     }
 
     /// The edge by which the line leaves triangle `t`: the one it crosses farthest along.
@@ -220,4 +231,52 @@ fn less(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 
 fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::laid::UvLayout;
+    use super::super::standing::Standing;
+    use super::*;
+    use crate::mesh::{Mesh, shapes};
+
+    fn laid(mesh: &Mesh, layout: UvLayout, size: u32) -> Laid {
+        let stood = Standing {
+            number: 0,
+            mesh: mesh.clone(),
+            world: glam::DMat4::IDENTITY,
+        };
+        Laid::new("test", mesh, &stood, layout, size).unwrap()
+    }
+
+    /// Distances between neighbours: those in one chart, and those across seams.
+    fn distances(low: &Laid, size: u32) -> [Vec<f32>; 2] {
+        let links = Links::new(low, size);
+        let all = centres(low, &links, size);
+        let point = |k: usize| glam::Vec3::from_array(low.point(all[k].0, all[k].1));
+        let mut out = [Vec::new(), Vec::new()];
+        for k in 0..all.len() {
+            for way in (0..4).filter(|&way| links.next[k][way] != NONE) {
+                let apart = point(k).distance(point(links.next[k][way] as usize));
+                out[usize::from(links.in_chart(k, way).is_none())].push(apart);
+            }
+        }
+        out
+    }
+
+    #[test]
+    fn neighbours_across_seams_are_neighbours_on_the_surface() {
+        for (mesh, layout, least) in [
+            (shapes::tube(24, 4), UvLayout::Uv0, 100),
+            (shapes::icosphere(2), UvLayout::Charts, 300),
+        ] {
+            let [inside, across] = distances(&laid(&mesh, layout, 64), 64);
+            let longest = inside.iter().copied().fold(0.0, f32::max);
+            assert!(across.len() >= least, "{}: {}", mesh.name, across.len());
+            let far = across.iter().filter(|d| **d > 2.0 * longest).count();
+            assert_eq!(far, 0, "{}: of {}", mesh.name, across.len());
+            // The negative control: texels beside each other in the texture alone would be far apart.
+            assert!(longest < 0.3);
+        }
+    }
 }
