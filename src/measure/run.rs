@@ -12,7 +12,7 @@ use serde::Serialize;
 pub struct Run {
     /// The built file.
     pub file: String,
-    /// The mesh, or [`WHOLE`].
+    /// The mesh, or [`WHOLE`](super::WHOLE).
     pub mesh: String,
     /// What was drawn.
     pub variant: Variant,
