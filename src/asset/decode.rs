@@ -69,27 +69,11 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Built> {
         if !extension.is_null() {
             let element = format!("meshes[{mesh}]");
             let extension: MeshExtension = parse(name, &format!("{element}."), extension)?;
-            let mut reading = Reading {
-                name,
-                full: &full,
-                reader: &reader,
-                scene: &scene,
-                mesh,
-                element,
-            };
             if let Some(embedding) = &extension.embedding {
-                let open = reading.cut_open(embedding)?;
-                let element = reading.element;
-                scene.meshes[mesh] = open;
-                reading = Reading {
-                    name,
-                    full: &full,
-                    reader: &reader,
-                    scene: &scene,
-                    mesh,
-                    element,
-                };
+                let reading = Reading::new((name, &full, &reader), &scene, mesh);
+                scene.meshes[mesh] = reading.cut_open(embedding)?;
             }
+            let reading = Reading::new((name, &full, &reader), &scene, mesh);
             meshes.push(reading.built_mesh(extension)?);
         }
     }
@@ -141,7 +125,22 @@ struct Reading<'a> {
     element: String,
 }
 
-impl Reading<'_> {
+impl<'a> Reading<'a> {
+    fn new(
+        (name, full, reader): (&'a str, &'a Opened, &'a Reader<'a>),
+        scene: &'a Scene,
+        mesh: usize,
+    ) -> Self {
+        Reading {
+            name,
+            full,
+            reader,
+            scene,
+            mesh,
+            element: format!("meshes[{mesh}]"),
+        }
+    }
+
     fn fault(&self, what: &str, reason: impl Into<String>) -> Error {
         Error::input(self.name, format!("{}.{what}", self.element), reason)
     }

@@ -22,6 +22,11 @@ pub(crate) fn cross3(a: V3, b: V3) -> V3 {
     ]
 }
 
+/// `b[0] corners[0] + b[1] corners[1] + b[2] corners[2]`.
+pub(crate) fn weighted(corners: &[V3; 3], b: [f32; 3]) -> V3 {
+    [0, 1, 2].map(|k| b[0] * corners[0][k] + b[1] * corners[1][k] + b[2] * corners[2][k])
+}
+
 /// `a + b`.
 pub(crate) fn add3(a: V3, b: V3) -> V3 {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]

@@ -3,9 +3,8 @@
 //! In: four images of all levels over the unit square of addresses. Out: [`Prefiltered`], and its textures in a
 //! [`TextureSet`].
 //!
-//! Level l has (size >> l)² texels, down to one. A texel holds what the full lookup answers for footprints two texels
-//! wide, so that what is interpolated between texels follows it. The fourth channel of two of the images says how far the
-//! two are apart there, in eighths of a step of 8 bits: a shader that has the texel knows whether it will do.
+//! Level l has (size >> l)² texels, down to one. A texel is the mean of what the full lookup answers in a window
+//! two texels wide. The fourth channel of two of the images says how far the two are apart there, in eighths of a step of 8 bits: a shader that has the texel knows whether it will do.
 //! Source: Inverse Geometric Textures, section 2.5 (mipmapping); the design's *shader LoD*.
 
 use super::texture::{Pixels, Sampler, TextureSet, Wrap};
@@ -106,11 +105,6 @@ impl Prefiltered {
     /// Base colour and distance, normal and distance, occlusion with roughness and metalness, emission; all levels.
     pub fn images(&self) -> &[Vec<u8>; 4] {
         &self.images
-    }
-
-    /// Bytes of all levels of all images, as a shader reads them.
-    pub fn bytes(&self) -> u64 {
-        16 * texels(self.size) as u64
     }
 }
 

@@ -92,16 +92,10 @@ impl TextureSet {
         sampler: Sampler,
         pixels: impl FnOnce() -> Result<Pixels<'a>>,
     ) -> Result<u32> {
-        if let Some(id) = self.find(image, srgb, sampler) {
-            return Ok(id);
-        }
-        let pixels = pixels()?;
-        self.make_room(&pixels, pixels.area())?;
-        let base = self.texels.len() as u32;
-        let offsets = mips::append_chain(&mut self.texels, pixels, srgb);
-        let chain = Chain::new(base, &pixels, offsets);
-        self.chains.insert((image, srgb), chain.clone());
-        Ok(self.register(&chain, image, srgb, sampler))
+        self.add_with(image, srgb, sampler, pixels, |set, pixels| {
+            set.make_room(pixels, pixels.area())?;
+            Ok(mips::append_chain(&mut set.texels, *pixels, srgb))
+        })
     }
 
     /// [`add`](Self::add) for a square image that has its levels already, each half as large, down to one texel.
@@ -112,15 +106,34 @@ impl TextureSet {
         sampler: Sampler,
         pixels: impl FnOnce() -> Result<Pixels<'a>>,
     ) -> Result<u32> {
+        self.add_with(image, srgb, sampler, pixels, |set, pixels| {
+            set.make_room(pixels, prefiltered::texels(pixels.width) as u64)?;
+            set.texels.extend(words(pixels.rgba));
+            let offsets = prefiltered::levels(pixels.width).map(|(at, _)| at as u32);
+            Ok(offsets.collect())
+        })
+    }
+
+    /// The id of a texture; `append` puts the levels of an image that is not there yet behind the others and says where each
+    /// begins.
+    fn add_with<'a>(
+        &mut self,
+        image: usize,
+        srgb: bool,
+        sampler: Sampler,
+        pixels: impl FnOnce() -> Result<Pixels<'a>>,
+        append: impl FnOnce(&mut Self, &Pixels<'a>) -> Result<Vec<u32>>,
+    ) -> Result<u32> {
         if let Some(id) = self.find(image, srgb, sampler) {
             return Ok(id);
         }
         let pixels = pixels()?;
-        self.make_room(&pixels, prefiltered::texels(pixels.width) as u64)?;
-        let base = self.texels.len() as u32;
-        let offsets = prefiltered::levels(pixels.width).map(|(at, _)| at as u32);
-        let chain = Chain::new(base, &pixels, offsets.collect());
-        self.texels.extend(words(pixels.rgba));
+        let chain = Chain {
+            base: self.texels.len() as u32,
+            width: pixels.width,
+            height: pixels.height,
+            offsets: append(self, &pixels)?,
+        };
         self.chains.insert((image, srgb), chain.clone());
         Ok(self.register(&chain, image, srgb, sampler))
     }
@@ -189,17 +202,6 @@ impl TextureSet {
             });
         }
         Ok(())
-    }
-}
-
-impl Chain {
-    fn new(base: u32, pixels: &Pixels, offsets: Vec<u32>) -> Self {
-        Chain {
-            base,
-            width: pixels.width,
-            height: pixels.height,
-            offsets,
-        }
     }
 }
 

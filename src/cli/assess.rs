@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use super::bake_files::plain;
 use super::device::Device;
 use super::print::{Table, percent};
-use super::progress::Heard;
+use super::progress::Bar;
 use super::recovery::{Recovering, renderer, scene};
 use super::view::Size;
-use super::{Common, bad_option, note, print};
+use super::{Common, bad_option, note, plain, print};
 use invertex::measure::{AssessSettings, Assessment, Heat, Rating, assess};
 use invertex::output::{encode_png, heat_map, make_folder, write_bytes};
 use invertex::recover::{Mapping, Misses};
@@ -117,7 +116,7 @@ impl Assess {
         let settings = self.settings()?;
         let (high, low) = (scene(&self.high)?, scene(&self.low)?);
         let device = Device::open(common)?;
-        let heard = Heard::new(common);
+        let heard = Bar::new(common, 1);
         let start = Instant::now();
         let draw = |picture| renderer(&device, picture);
         let assessment = assess(&high, &low, &settings, &draw, &heard)?;

@@ -8,7 +8,7 @@ use super::bake_files::{Files, Finished, stems};
 use super::bake_preview::preview;
 use super::bake_report::Report;
 use super::device::Device;
-use super::progress::Heard;
+use super::progress::Bar;
 use super::recovery::{Recovering, renderer, scene};
 use super::view::Size;
 use super::{Common, bad_option, mesh_named, note, print};
@@ -151,7 +151,7 @@ impl Bake {
             return Err(Error::input(file, "extensions", reason));
         };
         let chosen = self.chosen(&built)?;
-        let heard = Heard::new(common);
+        let heard = Bar::new(common, 1);
         let start = Instant::now();
         let mut baker = Baker::new(&built, &settings, &heard)?;
         let prepared = start.elapsed();
@@ -183,7 +183,7 @@ impl Bake {
         let settings = self.pair_settings()?;
         let (high_scene, low_scene) = (scene(&self.high)?, scene(low)?);
         let device = Device::open(common)?;
-        let heard = Heard::new(common);
+        let heard = Bar::new(common, 1);
         let start = Instant::now();
         let draw = |picture| renderer(&device, picture);
         let mut pair = Pair::new(&high_scene, &low_scene, &settings, &draw, &heard)?;

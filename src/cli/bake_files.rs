@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::bake_report::{MeshReport, Report, TextureReport};
+use super::plain;
 use invertex::Result;
 use invertex::attribute::Attribute;
 use invertex::output::{
@@ -118,16 +119,4 @@ fn place(attribute: &BakeAttribute) -> Option<TexturePlace> {
                 .map(|_| TexturePlace::BaseColor),
         },
     }
-}
-
-/// A name as a part of a file's name.
-pub(super) fn plain(name: &str) -> String {
-    let keep = |c: char| {
-        if c.is_alphanumeric() || "-_.".contains(c) {
-            c
-        } else {
-            '-'
-        }
-    };
-    name.chars().map(keep).collect()
 }

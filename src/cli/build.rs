@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use invertex::asset::{self, BuildSettings, MeshReport, Progress};
+use invertex::asset::{self, BuildSettings, MeshReport};
 use invertex::igt::Layout;
 use invertex::output::{check_target, write_bytes};
 use invertex::param::PrimaryRequest;
@@ -117,17 +117,6 @@ fn in_order<S: Serializer>(
     )
 }
 
-/// Shows a build as a bar.
-pub(super) struct Watching<'a>(pub(super) &'a Bar);
-
-impl Progress for Watching<'_> {
-    fn at(&self, stage: &'static str, subject: &str, done: usize, of: usize) {
-        tracing::debug!("{stage} {subject}");
-        self.0
-            .at(&format!("{stage} {subject}"), done as u64, of as u64);
-    }
-}
-
 impl Build {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
         let settings = self.settings()?;
@@ -143,13 +132,13 @@ impl Build {
         let device = Device::open(common)?;
         let mut outcome = {
             let bar = Bar::new(common, 0);
-            asset::build(scene, &settings, device.processor(), &Watching(&bar))?
+            asset::build(scene, &settings, device.processor(), &bar)?
         };
         times.extend(&outcome.milliseconds);
         if let Some(size) = self.shader_lod {
             let filtering = Instant::now();
             let bar = Bar::new(common, 0);
-            let warnings = prefilter(&mut outcome.built, size, &Watching(&bar))?;
+            let warnings = prefilter(&mut outcome.built, size, &bar)?;
             drop(bar);
             warnings.iter().for_each(|warning| note(common, warning));
             times.push(("shader_lod", milliseconds(filtering)));
@@ -281,7 +270,7 @@ fn fractions(text: &str) -> Result<Vec<f32>> {
     text.split(',').map(one).collect()
 }
 
-fn milliseconds(since: Instant) -> f64 {
+pub(super) fn milliseconds(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e3
 }
 

@@ -116,7 +116,7 @@ impl Demo {
             lods: LODS.to_vec(),
             ..BuildSettings::default()
         };
-        let outcome = asset::build(scene, &settings, device.processor(), &build::Watching(&bar))?;
+        let outcome = asset::build(scene, &settings, device.processor(), &bar)?;
         let path = self.folder.join(format!("{name}.built.glb"));
         write_bytes(&path, &asset::to_bytes(&outcome.built)?)?;
         // Drawn from the file, as anybody else would.

@@ -166,7 +166,8 @@ impl<'a> Staged<'a> {
     }
 }
 
-fn renderer(picture: Picture, path: DrawPath, device: &Device) -> Result<Renderer> {
+/// A renderer of `picture` on `device`.
+pub(super) fn renderer(picture: Picture, path: DrawPath, device: &Device) -> Result<Renderer> {
     Ok(match (device, path) {
         (Device::Cpu, DrawPath::Deferred) => Renderer::cpu(picture),
         (Device::Cpu, DrawPath::Forward) => {

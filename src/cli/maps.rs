@@ -9,6 +9,8 @@ use invertex::param::{Map, PrimaryRequest, Quality, parameterize};
 use invertex::{Error, Result};
 use serde::Serialize;
 
+use super::build::milliseconds;
+use super::plain;
 use super::print::{Table, percent};
 
 /// Pixels along a side of a picture.
@@ -95,17 +97,7 @@ fn one(mesh: &Mesh, request: &PrimaryRequest, folder: Option<&Path>) -> Result<A
             ("checkerboard", &made.checkerboard),
             ("stretch", &made.stretch),
         ] {
-            let safe = |c: char| {
-                if c.is_alphanumeric() || c == '-' || c == '_' {
-                    c
-                } else {
-                    '_'
-                }
-            };
-            let file: String = format!("{}-{kind}-{what}", mesh.name)
-                .chars()
-                .map(safe)
-                .collect();
+            let file = plain(&format!("{}-{kind}-{what}", mesh.name));
             let path = folder.join(file + ".png");
             write_bytes(&path, &encode_png(made.side, made.side, pixels)?)?;
             pictures.push(path.display().to_string());
@@ -133,10 +125,6 @@ fn name(request: &PrimaryRequest) -> String {
         PrimaryRequest::Computed(map, None) => map.to_string(),
         PrimaryRequest::Computed(map, Some(stretch)) => format!("{map}:{stretch}"),
     }
-}
-
-fn milliseconds(since: Instant) -> f64 {
-    since.elapsed().as_secs_f64() * 1e3
 }
 
 /// A table of computed maps, and a line for each that is none or cannot be had.

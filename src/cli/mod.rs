@@ -224,3 +224,15 @@ fn mesh_named<'a>(file: &str, names: impl Iterator<Item = &'a str>, name: &str) 
             Error::input(file, format!("mesh \"{name}\""), reason)
         })
 }
+
+/// A name as a part of a file's name.
+fn plain(name: &str) -> String {
+    let keep = |c: char| {
+        if c.is_alphanumeric() || "-_.".contains(c) {
+            c
+        } else {
+            '-'
+        }
+    };
+    name.chars().map(keep).collect()
+}

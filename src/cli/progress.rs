@@ -46,18 +46,10 @@ impl Drop for Bar {
     }
 }
 
-/// A bar that hears how the library's work goes.
-pub(super) struct Heard(Bar);
-
-impl Heard {
-    pub(super) fn new(common: &Common) -> Self {
-        Heard(Bar::new(common, 1))
-    }
-}
-
-impl Progress for Heard {
+/// A bar hears how the library's work goes.
+impl Progress for Bar {
     fn at(&self, stage: &'static str, subject: &str, done: usize, of: usize) {
-        self.0
-            .at(&format!("{stage}: {subject}"), done as u64, of as u64);
+        tracing::debug!("{stage} {subject}");
+        Bar::at(self, &format!("{stage} {subject}"), done as u64, of as u64);
     }
 }

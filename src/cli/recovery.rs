@@ -10,6 +10,7 @@ use invertex::scene::Scene;
 
 use super::bad_option;
 use super::device::Device;
+use super::drawing::{self, DrawPath};
 
 /// How points of HIGH are looked for.
 #[derive(clap::Args)]
@@ -93,13 +94,9 @@ impl Recovering {
     }
 }
 
-/// A renderer of `picture` on `device`.
+/// A renderer of `picture` on `device`, for probes and previews.
 pub(super) fn renderer(device: &Device, picture: Picture) -> Result<Renderer> {
-    match device {
-        Device::Cpu => Ok(Renderer::cpu(picture)),
-        #[cfg(feature = "gpu")]
-        Device::Gpu(context) | Device::Found(context) => Renderer::on(context, picture),
-    }
+    drawing::renderer(picture, DrawPath::Deferred, device)
 }
 
 /// Any model as its scene.

@@ -102,9 +102,7 @@ impl Run {
             ..self
         }
     }
-}
 
-impl Run {
     /// The row with the tests of its lookups.
     pub(super) fn tested(self, histogram: Vec<u64>) -> Run {
         let weighted = |(n, &count): (usize, &u64)| n as u64 * count;

@@ -1,10 +1,14 @@
-//! From an address of a primary parameterization back to T3: a point on the projection line that has this address.
+//! From an address of a primary parameterization back to T3: a point on the projection line that has this address; and what
+//! the tables answer there.
 //!
 //! In: (s, t) in the unit square. Out: a point on the vertex grid. Inverse of `texel` in `param/projection.rs`. Of all points
 //! of a line the one farthest out is taken, so that outer layers are met before inner ones.
 
+use crate::attribute::surface::SurfacePoint;
+use crate::igt::{Asker, Tables, layout};
 use crate::param::grid::VERTEX_BITS;
 use crate::param::projection::Line;
+use crate::render::{Drawn, inverse_at};
 
 /// The largest coordinate of the vertex grid.
 const MOST: f64 = ((1u32 << (VERTEX_BITS - 1)) - 1) as f64;
@@ -21,6 +25,30 @@ pub(super) fn point(line: Line, is_flat: bool, [s, t]: [f64; 2]) -> [i32; 3] {
         Line::Sphere => outward3(octahedral([s, t])),
     };
     p.map(|c| c.round().clamp(-MOST, MOST) as i32)
+}
+
+/// What tables answer at an address, with the gradients of steps along both axes.
+pub(super) fn asked(
+    tables: &Tables,
+    st: [f64; 2],
+    step: f64,
+    asker: Asker,
+) -> Option<SurfacePoint> {
+    let line = tables.primary.line();
+    let is_flat = layout::is_flat(&tables.primary);
+    let t3 = [[0.0, 0.0], [step, 0.0], [0.0, step]].map(|by| {
+        let [x, y, z] = point(line, is_flat, [st[0] + by[0], st[1] + by[1]]);
+        [x, y, z, 0]
+    });
+    let drawn = Drawn {
+        b: [1.0, 0.0, 0.0],
+        bx: Some([0.0, 1.0, 0.0]),
+        by: Some([0.0, 0.0, 1.0]),
+        local: 0,
+        vertex: [0; 3],
+        asker: asker.word(),
+    };
+    inverse_at(tables, 0, &t3, &drawn).point
 }
 
 /// The direction at `s` of a turn: around the square |x| + |y| = 1.

@@ -7,7 +7,7 @@
 //! and half a texel further. So neighbours across a seam are as near on the surface as texels of either chart are fine.
 
 use super::laid::Laid;
-use super::texel;
+use super::texel::{self, cross, less};
 use crate::mesh::{Adjacency, NONE, Weld};
 use rayon::prelude::*;
 
@@ -66,13 +66,9 @@ impl Links {
 
     /// The number of the texel at texture coordinates; [`NONE`] outside.
     pub(crate) fn at_uv(&self, uv: [f32; 2]) -> u32 {
-        let size = self.size as f32;
-        let [x, y] = uv.map(|c| (c * size).clamp(0.0, size - 1.0) as usize);
-        self.number[y * self.size as usize + x]
+        self.number[texel::place(self.size, uv)]
     }
-}
 
-impl Links {
     /// The number of the texel beside texel `k` (left, right, up, down) if it lies beside it in the texture too.
     pub(crate) fn in_chart(&self, k: usize, way: usize) -> Option<usize> {
         let next = *self.texels.get(self.next[k][way] as usize)?;
@@ -223,14 +219,6 @@ impl Walk<'_> {
         }
         Some([0, 1].map(|x| at[x] + inwards[x] / length * 0.5))
     }
-}
-
-fn less(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
 }
 
 #[cfg(test)]

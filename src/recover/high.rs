@@ -1,6 +1,7 @@
 //! The reference of a recovery: all triangles of a scene in the world, and the tree over them.
 
 use super::standing::{Standing, standing};
+use crate::attribute::arithmetic::weighted;
 use crate::mesh::Mesh;
 use crate::mesh::bvh::Bvh;
 use crate::scene::Scene;
@@ -56,7 +57,6 @@ impl High {
 
     /// A point of the run's triangle.
     pub(crate) fn point(&self, triangle: u32, b: [f32; 3]) -> [f32; 3] {
-        let corners = &self.corners[triangle as usize];
-        [0, 1, 2].map(|k| b[0] * corners[0][k] + b[1] * corners[1][k] + b[2] * corners[2][k])
+        weighted(&self.corners[triangle as usize], b)
     }
 }

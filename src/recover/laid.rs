@@ -5,7 +5,7 @@
 use super::atlas::{self, Atlas};
 use super::low::unwrapped;
 use super::standing::{Standing, placed};
-use crate::attribute::arithmetic::{V3, add3, unit3};
+use crate::attribute::arithmetic::{V3, add3, unit3, weighted};
 use crate::lod::Lod;
 use crate::mesh::{Mesh, Weld, components};
 use crate::{Error, Result};
@@ -88,8 +88,7 @@ impl Laid {
 
     /// Numbers of the vertices, weighted.
     pub(crate) fn weighted(&self, of: &[V3], t: usize, b: [f32; 3]) -> V3 {
-        let [i, j, k] = self.world.triangles[t].map(|v| of[v as usize]);
-        [0, 1, 2].map(|x| b[0] * i[x] + b[1] * j[x] + b[2] * k[x])
+        weighted(&self.world.triangles[t].map(|v| of[v as usize]), b)
     }
 
     /// A point of the surface.

@@ -46,6 +46,7 @@ pub(crate) use high::High;
 pub(crate) use laid::Laid;
 pub(crate) use pair::{lay, meet, reach};
 pub(crate) use probe::spread;
+pub(crate) use texel::place;
 pub(crate) use visible::{Field, Fields};
 
 pub use bake::{BakeSettings, Baked, BakedTexture, Baker, Over};

@@ -171,6 +171,11 @@ impl<'a> Pair<'a> {
         reach(&self.high, &self.lows[mesh], &self.settings.recovery)
     }
 
+    /// The mesh of the reference that a triangle of the mapping image belongs to, and its number there.
+    pub fn triangle(&self, triangle: u32) -> (&Mesh, u32) {
+        self.high.mesh_of(triangle)
+    }
+
     /// The textures of a mesh.
     ///
     /// # Errors
@@ -359,11 +364,4 @@ fn along(corners: &[V3; 3], way: V3) -> Option<[f32; 3]> {
         let (v, w) = ((we * ff - wf * ef) / area, (wf * ee - we * ef) / area);
         [-v - w, v, w]
     })
-}
-
-impl Pair<'_> {
-    /// The mesh of the reference that a triangle of the mapping image belongs to, and its number there.
-    pub fn triangle(&self, triangle: u32) -> (&Mesh, u32) {
-        self.high.mesh_of(triangle)
-    }
 }

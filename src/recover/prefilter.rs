@@ -2,8 +2,7 @@
 //! will do.
 //!
 //! In: a built model, a size. Out: [`Prefiltered`] for each of its meshes. A texel is the mean of what the full lookup answers
-//! in a window two texels wide. Then both are asked at places between texels too, over footprints
-//! of several shapes; the farthest that they come apart in the neighbourhood of a texel is written into it. Texels without
+//! in a window two texels wide. Then both are asked at places between texels too, over footprints of several shapes; the farthest that they come apart in the neighbourhood of a texel is written into it. Texels without
 //! a surface, which nothing asks for, count for nothing.
 //!
 //! Where surfaces lie over each other one of them can be filtered. It is the layer, seen from one side or from any, that
@@ -15,15 +14,15 @@
 
 use super::low::{ROWS, UPRIGHT};
 use super::prefilter_apart::halved;
+use super::resample::code;
 use super::{address, fill};
 use crate::asset::{Built, BuiltMesh, Progress};
-use crate::attribute::arithmetic::{srgb_encode, unit_encode};
 use crate::attribute::prefiltered::{CODES_A_STEP, Role, levels, texels};
 use crate::attribute::surface::{Frame, Surface, SurfacePoint};
 use crate::attribute::{AttributeSet, Prefiltered, Scope, TextureSet, attributes_of};
-use crate::igt::{Tables, layout};
+use crate::igt::Tables;
 use crate::param::projection::Line;
-use crate::render::{Drawn, THRESHOLDS_AT, constants, inverse_at};
+use crate::render::{THRESHOLDS_AT, constants};
 use crate::{Error, Result};
 use rayon::prelude::*;
 
@@ -37,12 +36,10 @@ const WINDOW: usize = 4;
 /// [`Error::Option`] for a size that is not a power of two in [`Prefiltered::SIZES`]; [`Error::Capacity`] where textures do
 /// not fit; [`Error::Cancelled`].
 pub fn prefilter(built: &mut Built, size: u32, progress: &dyn Progress) -> Result<Vec<String>> {
-    if !size.is_power_of_two() || !Prefiltered::SIZES.contains(&size) {
-        return Err(Error::Option {
-            option: "--shader-lod",
-            reason: format!("{size} is not a power of two from 32 to 4096"),
-        });
-    }
+    Prefiltered::check(size, Scope::default()).map_err(|reason| Error::Option {
+        option: "--shader-lod",
+        reason,
+    })?;
     let (mut attributes, warnings) = attributes_of(&built.scene, true)?;
     let constants = constants();
     for k in 0..built.meshes.len() {
@@ -161,21 +158,8 @@ impl Filtering<'_> {
 
     /// The point of the reference at an address, its gradients those of a footprint two texels wide.
     pub(super) fn place(&self, st: [f64; 2], side: usize) -> Option<SurfacePoint> {
-        let step = 2.0 / side as f64;
-        let flat = layout::is_flat(&self.tables.primary);
-        let t3 = [[0.0, 0.0], [step, 0.0], [0.0, step]].map(|by| {
-            let [x, y, z] = address::point(self.line(), flat, [st[0] + by[0], st[1] + by[1]]);
-            [x, y, z, 0]
-        });
-        let drawn = Drawn {
-            b: [1.0, 0.0, 0.0],
-            bx: Some([0.0, 1.0, 0.0]),
-            by: Some([0.0, 0.0, 1.0]),
-            local: 0,
-            vertex: [0; 3],
-            asker: self.asker(self.scope.side.into()).word(),
-        };
-        inverse_at(self.tables, 0, &t3, &drawn).point
+        let asker = self.asker(self.scope.side.into());
+        address::asked(self.tables, st, 2.0 / side as f64, asker)
     }
 
     /// What the full lookup shows over a footprint, object space.
@@ -194,10 +178,7 @@ impl Filtering<'_> {
 
     fn coded(&self, role: Role, value: [f32; 4]) -> [u8; 4] {
         let thresholds = &self.constants[THRESHOLDS_AT..THRESHOLDS_AT + 256];
-        let code = |c: f32| match role.is_srgb() {
-            true => srgb_encode(thresholds, c) as u8,
-            false => unit_encode(c) as u8,
-        };
+        let code = |c: f32| code(c, role.is_srgb(), thresholds);
         [code(value[0]), code(value[1]), code(value[2]), 0]
     }
 }

@@ -54,11 +54,8 @@ impl Filtering<'_> {
     pub(super) fn widest(&self, layers: &[u8]) -> Scope {
         let filled = |scope: Scope| {
             let one = Filtering { scope, ..*self };
-            let seen = |i: &usize| {
-                let st = [i % RASTER, i / RASTER].map(|c| (c as f64 + 0.5) / RASTER as f64);
-                one.sees(st) == Some(true)
-            };
-            (0..RASTER * RASTER).filter(seen).count()
+            let seen = |st: &[f64; 2]| one.sees(*st) == Some(true);
+            raster().filter(seen).count()
         };
         let scope = |layer, side| Scope {
             unlit: false,
@@ -76,11 +73,15 @@ impl Filtering<'_> {
 
     /// Whether all of the surface is unlit, on a coarse raster.
     pub(super) fn is_unlit(&self) -> bool {
-        let all: Vec<bool> = (0..RASTER * RASTER)
-            .filter_map(|i| places(RASTER, [i % RASTER, i / RASTER], 1).next())
+        let all: Vec<bool> = raster()
             .filter_map(|st| self.place(st, RASTER))
             .map(|p| self.seen(&p, [1.0, 1.0]).unlit)
             .collect();
         !all.is_empty() && all.into_iter().all(|unlit| unlit)
     }
+}
+
+/// Addresses of the middles of a coarse raster's texels.
+fn raster() -> impl Iterator<Item = [f64; 2]> {
+    places(1, [0, 0], RASTER)
 }

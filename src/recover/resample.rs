@@ -267,14 +267,16 @@ fn absent(mean: [f32; 4], state: &[u8], at: usize, fineness: Fineness) -> [f32; 
 
 fn encoded(source: &Source, value: [f32; 4], thresholds: &[f32]) -> [u8; 4] {
     let [r, g, b, a] = source.coded(value);
-    let code = |c: f32| {
-        if source.is_color() {
-            srgb_encode(thresholds, c) as u8
-        } else {
-            unit_encode(c) as u8
-        }
-    };
-    [code(r), code(g), code(b), unit_encode(a) as u8]
+    let [r, g, b] = [r, g, b].map(|c| code(c, source.is_color(), thresholds));
+    [r, g, b, unit_encode(a) as u8]
+}
+
+/// A channel in 8 bits: light as sRGB, or what it is.
+pub(super) fn code(value: f32, is_color: bool, thresholds: &[f32]) -> u8 {
+    match is_color {
+        true => srgb_encode(thresholds, value) as u8,
+        false => unit_encode(value) as u8,
+    }
 }
 
 /// The mean of what is known; 0 where nothing is.

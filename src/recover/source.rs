@@ -6,7 +6,7 @@
 use super::low::{ROWS, UPRIGHT, into_frame};
 use super::standing::Standing;
 use crate::asset::Progress;
-use crate::attribute::arithmetic::{V3, dot3, sub3, unit3};
+use crate::attribute::arithmetic::{V3, dot3, sub3, unit3, weighted};
 use crate::attribute::surface::{Frame, SurfacePoint};
 use crate::attribute::{Attribute, AttributeSet, Factor, Shown, ShownOptions, attributes_showing};
 use crate::mesh::Mesh;
@@ -114,10 +114,6 @@ impl Low<'_> {
         let normal = unit3(at(&self.mesh.normals), [0.0, 0.0, 1.0]);
         dot3(sub3(there, at(&self.mesh.positions)), normal)
     }
-}
-
-fn weighted(corners: &[V3; 3], b: [f32; 3]) -> V3 {
-    [0, 1, 2].map(|i| b[0] * corners[0][i] + b[1] * corners[1][i] + b[2] * corners[2][i])
 }
 
 impl Source {

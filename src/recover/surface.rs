@@ -10,7 +10,7 @@ use super::{address, atlas, texel};
 use crate::Result;
 use crate::asset::BuiltMesh;
 use crate::attribute::surface::SurfacePoint;
-use crate::igt::{Asker, layout};
+use crate::igt::Asker;
 use crate::lod::Lod;
 use crate::mesh::Mesh;
 use crate::render::{Drawn, inverse_at, level_zero};
@@ -193,26 +193,9 @@ impl Band for PrimaryBand<'_> {
 impl OverPrimary<'_> {
     /// The point with the address of a sample.
     fn at_address(&self, at: [u32; 2]) -> Option<SurfacePoint> {
-        let primary = &self.built.tables.primary;
-        let (line, flat) = (primary.line(), layout::is_flat(primary));
-        let middle = |c: u32, by: f64| (f64::from(c) + 0.5 + by) / f64::from(self.size);
-        let point = |dx: f64, dy: f64| {
-            four(address::point(
-                line,
-                flat,
-                [middle(at[0], dx), middle(at[1], dy)],
-            ))
-        };
-        let drawn = Drawn {
-            b: [1.0, 0.0, 0.0],
-            bx: Some([0.0, 1.0, 0.0]),
-            by: Some([0.0, 0.0, 1.0]),
-            local: 0,
-            vertex: [0; 3],
-            asker: Asker::default().word(),
-        };
-        let t3 = [point(0.0, 0.0), point(1.0, 0.0), point(0.0, 1.0)];
-        inverse_at(&self.built.tables, 0, &t3, &drawn).point
+        let side = f64::from(self.size);
+        let middle = at.map(|c| (f64::from(c) + 0.5) / side);
+        address::asked(&self.built.tables, middle, 1.0 / side, Asker::default())
     }
 }
 

@@ -14,8 +14,6 @@ pub(super) fn corners(low: &Mesh, t: usize, size: u32) -> [[f64; 2]; 3] {
 /// Barycentrics of `at`; none in a triangle without area.
 pub(super) fn barycentric(corners: &[[f64; 2]; 3], at: [f64; 2]) -> Option<[f32; 3]> {
     let [a, b, c] = *corners;
-    let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
-    let less = |p: [f64; 2], q: [f64; 2]| [p[0] - q[0], p[1] - q[1]];
     let area = cross(less(b, a), less(c, a));
     if area == 0.0 {
         return None;
@@ -23,6 +21,23 @@ pub(super) fn barycentric(corners: &[[f64; 2]; 3], at: [f64; 2]) -> Option<[f32;
     let b1 = cross(less(at, a), less(c, a)) / area;
     let b2 = cross(less(b, a), less(at, a)) / area;
     Some([1.0 - b1 - b2, b1, b2].map(|x| x as f32))
+}
+
+/// `p - q`.
+pub(super) fn less(p: [f64; 2], q: [f64; 2]) -> [f64; 2] {
+    [p[0] - q[0], p[1] - q[1]]
+}
+
+/// Twice the area of the triangle of 0, `p` and `q`; positive where they are counter-clockwise.
+pub(super) fn cross(p: [f64; 2], q: [f64; 2]) -> f64 {
+    p[0] * q[1] - p[1] * q[0]
+}
+
+/// The place of texture coordinates in a texture of `size` x `size` texels, row after row.
+pub(crate) fn place(size: u32, uv: [f32; 2]) -> usize {
+    let most = (size - 1) as f32;
+    let [x, y] = uv.map(|c| (c * size as f32).clamp(0.0, most) as usize);
+    y * size as usize + x
 }
 
 /// For each texel of some rows of a texture of `size` x `size` the first of `triangles` that covers its centre; `u32::MAX`
@@ -65,9 +80,8 @@ struct Inside {
 impl Inside {
     /// None for a triangle without area.
     fn new([a, b, c]: &[[f64; 2]; 3]) -> Option<Inside> {
-        let less = |p: &[f64; 2]| [p[0] - a[0], p[1] - a[1]];
-        let (first, second) = (less(b), less(c));
-        let area = first[0] * second[1] - first[1] * second[0];
+        let (first, second) = (less(*b, *a), less(*c, *a));
+        let area = cross(first, second);
         let inside = |first, second| Inside {
             corner: *a,
             first,
@@ -82,9 +96,8 @@ impl Inside {
     }
 
     fn holds(&self, at: [f64; 2]) -> bool {
-        let [x, y] = [at[0] - self.corner[0], at[1] - self.corner[1]];
-        let along = x * self.second[1] - y * self.second[0];
-        let across = self.first[0] * y - self.first[1] * x;
+        let at = less(at, self.corner);
+        let (along, across) = (cross(at, self.second), cross(self.first, at));
         along >= 0.0 && across >= 0.0 && along + across <= self.area
     }
 }

@@ -8,10 +8,12 @@ use super::continuity::Links;
 use super::high::High;
 use super::laid::Laid;
 use super::mapping::{Mapping, Probes, Recovery};
-use super::probe::{Draw, Probing, spread};
+use super::probe::{Draw, Probing, Seen, spread};
+use super::texel::place;
 use crate::Result;
 use crate::attribute::arithmetic::{V3, add3, cross3, dot3, scale3, sub3};
 use crate::mesh::NONE;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Rounds of the filter that texels' sums are smoothed by, a texel a round.
@@ -59,13 +61,6 @@ impl Field {
             _ => None,
         }
     }
-}
-
-/// The place of texture coordinates in a square texture.
-fn place(size: u32, uv: [f32; 2]) -> usize {
-    let most = (size - 1) as f32;
-    let [x, y] = uv.map(|c| (c * size as f32).clamp(0.0, most) as usize);
-    y * size as usize + x
 }
 
 /// Fields of some surfaces, each kind made once, whichever mappings ask for it.
@@ -200,7 +195,7 @@ fn gathered(
     probes: &Probes,
     draw: Draw,
     elements: &dyn Fn(usize) -> usize,
-    count: &mut dyn FnMut(usize, &super::probe::Seen, &mut [f32]),
+    count: &mut dyn FnMut(usize, &Seen, &mut [f32]),
 ) -> Result<Vec<Vec<Sum>>> {
     let probing = Probing::new(lows, probes, draw)?;
     let empty = |k: usize| vec![Sum::default(); elements(k)];
@@ -321,7 +316,6 @@ fn texels(lows: &[&Laid], probes: &Probes, size: u32, draw: Draw) -> Result<Vec<
 
 /// Each texel's sum becomes the sum of its own and its neighbours', round after round.
 fn smooth(links: &Links, mut sums: Vec<Sum>) -> Vec<Sum> {
-    use rayon::prelude::*;
     for _ in 0..ROUNDS {
         let joined = links.next.par_iter().zip(&sums).map(|(next, own)| {
             let mut sum = *own;

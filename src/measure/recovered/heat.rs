@@ -2,6 +2,7 @@
 //!
 //! Distances are added up in integers, so that the sums do not depend on which core came first.
 
+use crate::recover::place;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Steps of a diagonal that distances are counted in: fine enough for one ray, and 2^24 rays of a whole diagonal fit.
@@ -42,9 +43,7 @@ impl Gathering {
         if self.size == 0 {
             return;
         }
-        let most = (self.size - 1) as f32;
-        let [x, y] = uv.map(|c| (c * self.size as f32).clamp(0.0, most) as usize);
-        let texel = &self.meshes[mesh][y * self.size as usize + x];
+        let texel = &self.meshes[mesh][place(self.size, uv)];
         let put = |slot: usize, distance: f64| {
             let steps = (distance / self.diagonal * STEPS).min(STEPS) as u64;
             texel[slot].fetch_add(steps, Ordering::Relaxed);

@@ -8,9 +8,9 @@
 //! Greedy optimal homotopy and homology generators (2005).
 
 use super::chart::{Vertices, next};
+use super::ways::{Edge, Ways, ways};
 use crate::mesh::NONE;
-use std::cmp::Reverse;
-use std::collections::{BinaryHeap, VecDeque};
+use std::collections::VecDeque;
 
 /// Cuts edges of `across` until the piece is a disk; returns how many. `lengths` has one for each half-edge.
 pub(super) fn cut_to_disk(across: &mut [u32], vertices: &Vertices, lengths: &[f64]) -> usize {
@@ -31,7 +31,9 @@ fn ends(vertices: &Vertices, h: usize) -> [usize; 2] {
 
 /// Of each pair of half-edges that the spanning tree does not cross, the first.
 fn not_crossed(across: &[u32], vertices: &Vertices, lengths: &[f64]) -> Vec<bool> {
-    let (distance, arrived) = ways_from_border(across, vertices, lengths);
+    let Ways {
+        distance, arrived, ..
+    } = ways_from_border(across, vertices, lengths);
     let mut edges: Vec<(bool, u64, u32)> = vec![];
     for (h, &other) in across
         .iter()
@@ -41,7 +43,7 @@ fn not_crossed(across: &[u32], vertices: &Vertices, lengths: &[f64]) -> Vec<bool
         let [a, b] = ends(vertices, h);
         let on_a_way = [arrived[a], arrived[b]]
             .iter()
-            .any(|&by| by == h as u32 || by == other);
+            .any(|way| way.is_some_and(|(_, by)| by == h as u32 || by == other));
         let far = if on_a_way {
             distance[a].max(distance[b])
         } else {
@@ -66,36 +68,26 @@ fn not_crossed(across: &[u32], vertices: &Vertices, lengths: &[f64]) -> Vec<bool
 
 /// For each vertex how far it is from the first border (from any vertex, of a closed surface), and the half-edge by which
 /// the shortest way arrives.
-fn ways_from_border(across: &[u32], vertices: &Vertices, lengths: &[f64]) -> (Vec<f64>, Vec<u32>) {
+fn ways_from_border(across: &[u32], vertices: &Vertices, lengths: &[f64]) -> Ways {
     let mut edges_at: Vec<Vec<u32>> = vec![vec![]; vertices.count];
     for h in 0..across.len() {
         ends(vertices, h)
             .iter()
             .for_each(|&v| edges_at[v].push(h as u32));
     }
-    let mut distance = vec![f64::INFINITY; vertices.count];
-    let mut arrived = vec![NONE; vertices.count];
-    let mut heap = BinaryHeap::new();
-    for v in first_border(across, vertices) {
-        distance[v] = 0.0;
-        heap.push(Reverse((0u64, v)));
-    }
-    while let Some(Reverse((bits, v))) = heap.pop() {
-        if bits != distance[v].to_bits() {
-            continue;
-        }
-        for &h in &edges_at[v] {
-            let [a, b] = ends(vertices, h as usize);
-            let to = if a == v { b } else { a };
-            let far = distance[v] + lengths[h as usize];
-            if far < distance[to] {
-                distance[to] = far;
-                arrived[to] = h;
-                heap.push(Reverse((far.to_bits(), to)));
+    let sources = first_border(across, vertices).into_iter();
+    ways(vertices.count, sources.map(|v| v as u32), |v| {
+        let edge = move |&number: &u32| {
+            let [a, b] = ends(vertices, number as usize);
+            let to = if a == v as usize { b } else { a };
+            Edge {
+                to: to as u32,
+                length: lengths[number as usize],
+                number,
             }
-        }
-    }
-    (distance, arrived)
+        };
+        edges_at[v as usize].iter().map(edge)
+    })
 }
 
 /// Vertices of the border that the first open half-edge is on; vertex 0 where there is none.

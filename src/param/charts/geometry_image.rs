@@ -13,12 +13,11 @@ use super::lscm::laid_flat;
 use super::merge::Flat;
 use super::stretch::{singular_values, sums, to_own_area};
 use super::surface::Surface;
+use super::ways::{Edge, Ways, ways};
 use faer::Mat;
 use faer::prelude::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use glam::DVec2;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// Times that the cut is made longer.
 const CUTS: usize = 6;
@@ -291,35 +290,22 @@ fn worst(flat: &Flat) -> u32 {
 
 /// Half-edges of the surface on the shortest way from the rim to vertex `to`, or to the one farthest from the rim.
 fn way_from_rim(surface: &Surface, chart: &Chart, to: Option<u32>) -> Vec<u32> {
-    let mut edges: Vec<Vec<(u32, u32)>> = vec![vec![]; chart.places.len()];
+    let mut edges: Vec<Vec<Edge>> = vec![vec![]; chart.places.len()];
     for (i, corners) in chart.corners.iter().enumerate() {
         for k in 0..3 {
-            let half_edge = 3 * chart.triangles[i] + k as u32;
-            let (a, b) = (corners[k], corners[(k + 1) % 3]);
-            edges[a as usize].push((b, half_edge));
-            edges[b as usize].push((a, half_edge));
-        }
-    }
-    let mut distance = vec![f64::INFINITY; chart.places.len()];
-    let mut arrived: Vec<Option<(u32, u32)>> = vec![None; chart.places.len()];
-    let mut heap = BinaryHeap::new();
-    for &v in &chart.rim {
-        distance[v as usize] = 0.0;
-        heap.push(Reverse((0u64, v)));
-    }
-    while let Some(Reverse((bits, v))) = heap.pop() {
-        if bits != distance[v as usize].to_bits() {
-            continue;
-        }
-        for &(to, half_edge) in &edges[v as usize] {
-            let far = distance[v as usize] + surface.length(half_edge as usize);
-            if far < distance[to as usize] {
-                distance[to as usize] = far;
-                arrived[to as usize] = Some((v, half_edge));
-                heap.push(Reverse((far.to_bits(), to)));
+            let number = 3 * chart.triangles[i] + k as u32;
+            let length = surface.length(number as usize);
+            let ends = [corners[k], corners[(k + 1) % 3]];
+            for (from, to) in [(ends[0], ends[1]), (ends[1], ends[0])] {
+                edges[from as usize].push(Edge { to, length, number });
             }
         }
     }
+    let Ways {
+        distance, arrived, ..
+    } = ways(chart.places.len(), chart.rim.iter().copied(), |v| {
+        edges[v as usize].iter().copied()
+    });
     let mut way = vec![];
     let farthest = (1..distance.len()).fold(
         0,

@@ -8,9 +8,8 @@
 //! sections 4 and 5; de Silva, Tenenbaum, Sparse multidimensional scaling using landmark points (2004).
 
 use super::surface::Surface;
+use super::ways::{Edge, Ways, ways};
 use crate::mesh::NONE;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// Vertices that distances are measured from.
 const LANDMARKS: usize = 40;
@@ -42,7 +41,7 @@ pub(super) fn pieces(
 fn divided(surface: &Surface, triangles: Vec<u32>) -> Vec<Vec<u32>> {
     let graph = Graph::new(surface, &triangles);
     let ends = graph.ends();
-    let label = graph.nearest(&ends);
+    let label = graph.ways(&ends).source;
     let of = |t: usize| label[graph.corners[t][0] as usize];
     let mut groups = vec![vec![]; ends.len()];
     for t in 0..triangles.len() {
@@ -152,35 +151,17 @@ impl Graph {
         self.first.len() - 1
     }
 
-    /// Distances from the nearest of `sources`, and which that is.
-    fn distances(&self, sources: &[u32]) -> (Vec<f64>, Vec<u32>) {
-        let mut distance = vec![f64::INFINITY; self.count()];
-        let mut nearest = vec![0; self.count()];
-        let mut heap = BinaryHeap::new();
-        for (k, &v) in sources.iter().enumerate() {
-            distance[v as usize] = 0.0;
-            nearest[v as usize] = k as u32;
-            heap.push(Reverse((0u64, v)));
-        }
-        while let Some(Reverse((bits, v))) = heap.pop() {
-            let v = v as usize;
-            if bits != distance[v].to_bits() {
-                continue;
-            }
-            for &(to, length) in &self.edges[self.first[v] as usize..self.first[v + 1] as usize] {
-                let far = distance[v] + length;
-                if far < distance[to as usize] {
-                    distance[to as usize] = far;
-                    nearest[to as usize] = nearest[v];
-                    heap.push(Reverse((far.to_bits(), to)));
-                }
-            }
-        }
-        (distance, nearest)
-    }
-
-    fn nearest(&self, sources: &[u32]) -> Vec<u32> {
-        self.distances(sources).1
+    /// Ways from the nearest of `sources`.
+    fn ways(&self, sources: &[u32]) -> Ways {
+        ways(self.count(), sources.iter().copied(), |v| {
+            let all = self.first[v as usize] as usize..self.first[v as usize + 1] as usize;
+            let edge = |(number, &(to, length)): (usize, &(u32, f64))| Edge {
+                to,
+                length,
+                number: number as u32,
+            };
+            self.edges[all].iter().enumerate().map(edge)
+        })
     }
 
     /// Vertices at the ends of the directions in which the piece unfolds; two at least, where it has two vertices.
@@ -208,11 +189,7 @@ impl Graph {
                 }) as u32
             };
             for end in [extreme(|a, b| a > b), extreme(|a, b| a < b)] {
-                let (distance, _) = match ends.is_empty() {
-                    true => (vec![f64::INFINITY; self.count()], vec![]),
-                    false => self.distances(&ends),
-                };
-                if distance[end as usize] > NEAR * longest {
+                if self.ways(&ends).distance[end as usize] > NEAR * longest {
                     ends.push(end);
                 }
             }
@@ -227,7 +204,7 @@ impl Graph {
         let mut least = vec![f64::INFINITY; self.count()];
         let mut next = 0u32;
         while landmarks.len() < LANDMARKS.min(self.count()) {
-            let (row, _) = self.distances(&[next]);
+            let row = self.ways(&[next]).distance;
             landmarks.push(next);
             least
                 .iter_mut()

@@ -24,6 +24,7 @@ mod segment;
 mod settle;
 mod stretch;
 mod surface;
+mod ways;
 
 use crate::error::{Error, Result};
 use crate::mesh::{Embedding, Mesh, NONE};
@@ -53,6 +54,9 @@ fn bound(l2: f64) -> Bound {
 fn bend(bound: Bound) -> f64 {
     (0.6 * (bound.l2 - 1.0)).clamp(0.004, 0.06)
 }
+
+const OFF_THE_SQUARE: &str = "geometry-image cannot be had: a part of it is stretched past the numbers' range on a \
+    square; charts can be had, such as --primary lscm";
 
 /// Steps of the vertex grid per unit of uv: the packed charts reach from 1/64 to 63/64 and fill 31/32 of the grid.
 const GRID_STEPS: f64 = (1u32 << 24) as f64;
@@ -113,11 +117,9 @@ fn squares(mesh: &Mesh, surface: &Surface) -> Result<Vec<Flat>> {
         .par_iter()
         .map(|part| geometry_image::square(surface, part))
         .collect();
-    let refused = || {
-        Error::Parameterization {
+    let refused = || Error::Parameterization {
         mesh: mesh.name.clone(),
-        reason: "geometry-image cannot be had: a part of it is stretched past the numbers' range on a square; charts can be had, such as --primary lscm".into(),
-    }
+        reason: OFF_THE_SQUARE.into(),
     };
     laid.into_iter()
         .map(|flat| flat.ok_or_else(refused))

@@ -38,7 +38,9 @@ pub(crate) fn to_uv(place: DVec2, side: f64) -> [f32; 3] {
 /// Packs charts and brings them to the grid; divides those that do not survive it.
 pub(crate) fn settle(surface: &Surface, flats: Vec<Flat>, flatten: Flatten) -> Settled {
     let mut maps = flats;
-    for left in (0..TRIES).rev() {
+    let mut tried = 0;
+    loop {
+        tried += 1;
         let mut charts = maps.clone();
         let side = pack(&mut charts);
         let whole = (STEPS * (1.0 - 2.0 * MARGIN)).floor();
@@ -64,7 +66,7 @@ pub(crate) fn settle(surface: &Surface, flats: Vec<Flat>, flatten: Flatten) -> S
         let divisible = broken
             .iter()
             .any(|(c, _)| maps[*c].chart.triangles.len() > 1);
-        if left == 0 || !divisible {
+        if tried == TRIES || !divisible {
             let mut turned: Vec<u32> = broken.into_iter().flat_map(|(_, turned)| turned).collect();
             turned.sort_unstable();
             return Settled {
@@ -75,11 +77,6 @@ pub(crate) fn settle(surface: &Surface, flats: Vec<Flat>, flatten: Flatten) -> S
         }
         let broken: Vec<usize> = broken.into_iter().map(|(c, _)| c).collect();
         maps = again(surface, maps, &broken, flatten);
-    }
-    Settled {
-        charts: maps,
-        side: 1.0,
-        turned: vec![],
     }
 }
 
