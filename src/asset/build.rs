@@ -17,7 +17,7 @@ use crate::igt::{self, Ambiguous, Asking, BuildOptions, Needs, Reference, Tables
 use crate::lod::deviation::{Deviation, deviation};
 use crate::lod::{self, Lod, LodInput, Shape};
 use crate::mesh::Mesh;
-use crate::param::{self, Chosen, Parts, Primary, Quality};
+use crate::param::{self, Chosen, Parts, Primary, Quality, Weighed};
 use crate::scene::Scene;
 use crate::{Error, Result};
 use rayon::prelude::*;
@@ -77,6 +77,7 @@ pub fn build(
             mesh,
             primary: chosen.primary,
             why: chosen.why,
+            weighed: chosen.weighed,
             quality: chosen.computed.map(|computed| computed.quality),
             parts,
             lods,
@@ -123,6 +124,7 @@ pub(super) struct Prepared {
     pub(super) mesh: usize,
     pub(super) primary: Primary,
     pub(super) why: String,
+    pub(super) weighed: Vec<Weighed>,
     pub(super) quality: Option<Quality>,
     pub(super) parts: Parts,
     pub(super) lods: Vec<Lod>,
@@ -349,42 +351,22 @@ mod tests {
                 .unwrap_err()
                 .exit_code()
         };
-        assert_eq!(
-            refused(BuildSettings {
-                hash: Some(0),
-                ..settings.clone()
-            }),
-            2
-        );
-        assert_eq!(
-            refused(BuildSettings {
-                hash: Some(1000),
-                ..settings.clone()
-            }),
-            2
-        );
-        assert_eq!(
-            refused(BuildSettings {
-                lods: vec![],
-                ..settings.clone()
-            }),
-            2
-        );
-        assert_eq!(
-            refused(BuildSettings {
-                lods: vec![1.5],
-                ..settings.clone()
-            }),
-            2
-        );
+        let with = |hash, lods: &[f32], primary_of| BuildSettings {
+            hash,
+            lods: lods.to_vec(),
+            primary_of,
+            ..settings.clone()
+        };
         let stranger = vec![("nobody".to_owned(), PrimaryRequest::Sphere(None))];
-        assert_eq!(
-            refused(BuildSettings {
-                primary_of: stranger,
-                ..settings.clone()
-            }),
-            2
-        );
+        for bad in [
+            with(Some(0), &[0.5], vec![]),
+            with(Some(1000), &[0.5], vec![]),
+            with(None, &[], vec![]),
+            with(None, &[1.5], vec![]),
+            with(None, &[0.5], stranger),
+        ] {
+            assert_eq!(refused(bad), 2);
+        }
         let empty = Scene {
             name: "s".into(),
             meshes: vec![Mesh::default()],

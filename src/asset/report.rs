@@ -8,7 +8,7 @@ use super::build::Prepared;
 use crate::igt::{Ambiguous, Layout, Tables};
 use crate::lod::deviation::Deviation;
 use crate::mesh::Mesh;
-use crate::param::{self, Quality};
+use crate::param::{self, Quality, Weighed};
 use serde::{Deserialize, Serialize};
 
 /// Ambiguous triangles that a report names.
@@ -27,6 +27,9 @@ pub struct MeshReport {
     pub primary: String,
     /// Why that one.
     pub why: String,
+    /// What `auto` weighed against each other; empty where nothing had to be.
+    #[serde(default)]
+    pub weighed: Vec<Weighed>,
     /// What a computed map does to lengths and angles, its charts and seams; null for others.
     #[serde(default)]
     pub map: Option<Quality>,
@@ -145,6 +148,7 @@ pub(super) fn of(
         parts: prepared.parts.part_count,
         primary: primary.kind.to_string(),
         why: prepared.why.clone(),
+        weighed: prepared.weighed.clone(),
         map: prepared.quality.clone(),
         hash: tables.hash_size,
         layout: tables.layout,

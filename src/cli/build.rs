@@ -22,7 +22,8 @@ use super::{Common, ambiguous, bad_option, note};
 /// Any other viewer shows the file as the original model. The tables are the same bytes wherever they are built.
 #[derive(clap::Args)]
 #[command(after_help = "\
-JSON: file, output, output_bytes, device, warnings[], meshes[]: name, triangles, parts, primary, why, hash [w,h],
+JSON: file, output, output_bytes, device, warnings[], meshes[]: name, triangles, parts, primary, why, weighed[] (by auto: kind, cost, seam_share,
+wrong_fraction, quality, why_not), hash [w,h],
 map {charts, stretch {l2, linf, angle}, seam_length, filled_fraction, turned_triangles[]} of a computed primary or null,
 layout, entries, mean_list, max_list, gutter_entries, gutter_width (texels), unreached_texels, collapsed_triangles,
 ambiguous_fraction (of the covered domain), ambiguous_triangles, ambiguous_area_fraction (of the surface, at most),

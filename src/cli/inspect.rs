@@ -7,7 +7,7 @@ use invertex::asset::{Model, NAMED};
 use invertex::igt::Ambiguous;
 use invertex::mesh::Mesh;
 use invertex::output::check_target;
-use invertex::param::{Fit, PrimaryKind, PrimaryRequest, fits, parameterize, parts};
+use invertex::param::{Fit, PrimaryKind, PrimaryRequest, Weighed, fits, parameterize, parts};
 use serde::Serialize;
 
 use super::maps::{self, Asked};
@@ -24,7 +24,8 @@ use super::{Common, ambiguous, note};
 JSON: file, materials, textures, images, skins, animations, instances, warnings[], meshes[]: name, triangles, vertices,
 materials, has_normals.., uv_sets[]: set, charts, overlap_fraction, inside_unit_square, mirrored_fraction;
 primary[]: kind, bijective, turned_fraction, overlap_fraction, degenerate_fraction, centre, worst_triangles[];
-automatic: kind, why (what `build --primary auto` would take; null where nothing fits), ambiguous_triangles,
+automatic: kind, why (what `build --primary auto` would take; null where nothing fits), weighed[]: kind, cost, seam_share,
+wrong_fraction, quality (as map below), why_not; ambiguous_triangles,
 ambiguous_area_fraction, ambiguous_first[] (triangles that share a place with another of their part or layer); asked[]
 (with --primary): kind, possible, why, milliseconds, pictures[], map {charts, stretch {l2, linf, angle}, seam_length,
 filled_fraction, turned_triangles[]} or null. built[]: for a file that `build`
@@ -112,6 +113,8 @@ struct PrimaryReport {
 struct Automatic {
     kind: String,
     why: String,
+    /// What was weighed against each other; empty where nothing had to be.
+    weighed: Vec<Weighed>,
     ambiguous_triangles: usize,
     ambiguous_area_fraction: f64,
     ambiguous_first: Vec<u32>,
@@ -228,6 +231,7 @@ fn automatic(mesh: &Mesh) -> Option<Automatic> {
     Some(Automatic {
         kind: primary.kind.to_string(),
         why,
+        weighed: chosen.weighed,
         ambiguous_triangles: ambiguous.triangles.len(),
         ambiguous_area_fraction: ambiguous.area_fraction,
         ambiguous_first: ambiguous.triangles.iter().copied().take(NAMED).collect(),

@@ -16,8 +16,8 @@ use crate::mesh::Mesh;
 const NEARLY: f64 = 0.04;
 /// A cylinder's ends may be this much of the surface (they fall back on the nearest reference point).
 const ENDS: f64 = 0.25;
-/// A uv set is good up to this share of its layout covered twice within one chart.
-const WITHIN_CHARTS: f64 = 0.10;
+/// Whatever is taken, up to this share of its domain may be covered twice within one chart or part.
+const WITHIN: f64 = 0.10;
 
 /// The primary for `request`, and why: one that the file or positions give. [`parameterize`](super::parameterize()) also
 /// computes.
@@ -69,25 +69,40 @@ fn asked(mesh: &Mesh, kinds: &[PrimaryKind], centre: Option<[f64; 3]>) -> Result
     ))
 }
 
-/// The best that the file and positions give, why, and whether it is any good.
-fn automatic(mesh: &Mesh) -> Result<(Fit, String, bool)> {
+/// How good the best is that the file and positions give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Standing {
+    /// Without seams, and one-to-one or nearly so.
+    Seamless,
+    /// A uv set that is one-to-one but for what layers tell apart.
+    Charts,
+    /// Neither.
+    Poor,
+}
+
+/// The best that the file and positions give, why, and how good it is.
+fn automatic(mesh: &Mesh) -> Result<(Fit, String, Standing)> {
     let all = fits(mesh);
     let seamless = || all.iter().filter(|f| f.is_seamless());
     if let Some(best) = most_facing(seamless().filter(|f| f.bijective)) {
         return Ok((
             best.clone(),
             format!("{}, seamless and {}", best.kind, verdict(best)),
-            true,
+            Standing::Seamless,
         ));
     }
-    let near = |f: &&Fit| f.turned_fraction <= NEARLY && f.degenerate_fraction <= ENDS;
+    let near = |f: &&Fit| {
+        f.turned_fraction <= NEARLY
+            && f.degenerate_fraction <= ENDS
+            && f.overlap_within_parts <= WITHIN
+    };
     if let Some(best) = most_facing(seamless().filter(near)) {
         let why = format!(
             "{}, seamless and nearly one-to-one: {}",
             best.kind,
             verdict(best)
         );
-        return Ok((best.clone(), why, true));
+        return Ok((best.clone(), why, Standing::Seamless));
     }
     let charts = least_fault(all.iter().filter(|f| !f.is_seamless()));
     let rival = least_fault(seamless());
@@ -98,11 +113,11 @@ fn automatic(mesh: &Mesh) -> Result<(Fit, String, bool)> {
             percent(r.turned_fraction, "turned")
         )
     });
-    if let Some(best) = charts.filter(|f| f.fault() <= WITHIN_CHARTS) {
+    if let Some(best) = charts.filter(|f| f.fault() <= WITHIN) {
         return Ok((
             best.clone(),
             format!("{}: {}{instead}", best.kind, verdict(best)),
-            true,
+            Standing::Charts,
         ));
     }
     let best =
@@ -114,19 +129,36 @@ fn automatic(mesh: &Mesh) -> Result<(Fit, String, bool)> {
             best.kind,
             verdict(best)
         ),
-        false,
+        Standing::Poor,
     ))
 }
 
-/// What [`choose`] gives for [`PrimaryRequest::Auto`], if that is any good; else why not.
+/// What [`choose`] gives for [`PrimaryRequest::Auto`].
+pub(super) struct Found {
+    pub(super) primary: Primary,
+    pub(super) why: String,
+    pub(super) standing: Standing,
+    /// Charts of a uv set; connected parts otherwise.
+    pub(super) charts: usize,
+    /// Share that is not one-to-one, where layers do not help.
+    pub(super) fault: f64,
+    /// The numbers, in a clause.
+    pub(super) verdict: String,
+}
+
+/// The best that the file and positions give.
 ///
 /// # Errors
 /// As [`choose`], where nothing can be had.
-pub(super) fn sound(mesh: &Mesh) -> Result<std::result::Result<(Primary, String), String>> {
-    let (fit, why, good) = automatic(mesh)?;
-    Ok(match good {
-        true => Ok((fit.primary(mesh)?, why)),
-        false => Err(format!("{}: {}", fit.kind, verdict(&fit))),
+pub(super) fn found(mesh: &Mesh) -> Result<Found> {
+    let (fit, why, standing) = automatic(mesh)?;
+    Ok(Found {
+        primary: fit.primary(mesh)?,
+        why,
+        standing,
+        charts: fit.charts,
+        fault: fit.fault(),
+        verdict: format!("{}: {}", fit.kind, verdict(&fit)),
     })
 }
 

@@ -7,6 +7,7 @@
 
 mod charts;
 mod computed;
+mod contest;
 pub mod fit;
 mod fit_centre;
 mod fit_choose;
@@ -24,6 +25,7 @@ use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 pub use charts::Stretch;
 pub use computed::{Computed, Map, Quality};
+pub use contest::Weighed;
 pub use fit::{Fit, fit, fits};
 pub use fit_choose::choose;
 use grid::Frame;
@@ -248,7 +250,7 @@ impl fmt::Display for PrimaryKind {
 /// What a caller asks for with `--primary`; missing parameters are found by measuring.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum PrimaryRequest {
-    /// The best one, by measured bijectivity.
+    /// The best one, by measured bijectivity, stretch and seams.
     #[default]
     Auto,
     /// `uv0`, `uv1`, ...

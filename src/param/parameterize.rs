@@ -4,10 +4,12 @@
 //! mesh's places in T3. The mesh has to be cut open for those ([`Embedding::cut_open`](crate::mesh::Embedding::cut_open))
 //! before anything else is done with it.
 
+use super::charts;
 use super::computed::{Computed, Map};
-use super::fit_choose::{choose, sound};
-use super::{Primary, PrimaryRequest};
-use crate::error::Result;
+use super::contest::Weighed;
+use super::fit_choose::{Found, Standing, choose, found};
+use super::{Primary, PrimaryKind, PrimaryRequest};
+use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 
 /// A primary parameterization and where it comes from.
@@ -19,6 +21,8 @@ pub struct Chosen {
     pub why: String,
     /// The map, where it was computed.
     pub computed: Option<Computed>,
+    /// What `auto` weighed against each other; empty where nothing had to be.
+    pub weighed: Vec<Weighed>,
 }
 
 /// The primary for `request`, and why.
@@ -35,50 +39,132 @@ pub fn parameterize(mesh: &Mesh, request: &PrimaryRequest) -> Result<Chosen> {
                 primary,
                 why,
                 computed: None,
+                weighed: vec![],
             })
         }
     }
 }
 
-/// A sphere is taken up to this stretch: what it shrinks more has too few texels of the hash.
-const STRETCH: f64 = 2.0;
+/// Beside a uv set that will do a sphere is tried up to so many triangles: it takes 30 to 90 microseconds a triangle, so
+/// that auto spends three seconds on it at most. What is no sphere is refused within milliseconds.
+const TRIED: usize = 100_000;
+/// Where nothing else will do, a sphere up to this cost is taken without charts being computed beside it.
+const GOOD: f64 = 2.0;
 
-/// What the file and positions give, if that is any good; else a sphere, else charts; else what there was.
+/// What is seamless and there already; else what costs least of the file's uv set and of what can be computed; else what
+/// there was.
 fn automatic(mesh: &Mesh) -> Result<Chosen> {
-    let instead = match sound(mesh) {
-        Ok(Ok((primary, why))) => {
-            return Ok(Chosen {
-                primary,
-                why,
-                computed: None,
-            });
+    match found(mesh) {
+        Ok(found) if found.standing == Standing::Charts => beside_charts(mesh, found),
+        Ok(found) if found.standing == Standing::Seamless => Ok(as_found(found, vec![])),
+        Ok(found) => {
+            let instead = format!("the best of the others is {}", found.verdict);
+            let mut weighed = vec![];
+            Ok(match from_nothing(mesh, &instead, &mut weighed) {
+                Some(chosen) => chosen,
+                None => as_found(found, weighed),
+            })
         }
-        Ok(Err(best)) => format!("the best of the others is {best}"),
-        Err(_) => "nothing else can be had".into(),
+        Err(error) => from_nothing(mesh, "nothing else can be had", &mut vec![]).ok_or(error),
+    }
+}
+
+fn as_found(found: Found, weighed: Vec<Weighed>) -> Chosen {
+    Chosen {
+        primary: found.primary,
+        why: found.why,
+        computed: None,
+        weighed,
+    }
+}
+
+/// The uv set that was found, or a sphere that costs less. Charts are not computed beside charts: measured on the flight
+/// helmet an artist's, which follow what the eye looks at, were better than these numbers say.
+fn beside_charts(mesh: &Mesh, found: Found) -> Result<Chosen> {
+    let PrimaryKind::UvSet(set) = found.primary.kind else {
+        return Ok(as_found(found, vec![]));
     };
-    let whole = |computed: &Computed| computed.quality.turned_triangles.is_empty();
-    let sphere = Map::Sphere.compute(mesh);
-    let round = |computed: &Computed| whole(computed) && computed.quality.stretch.l2 <= STRETCH;
-    let (computed, how) = match sphere {
-        Ok(sphere) if round(&sphere) => (sphere, "seamless, computed"),
-        _ => match Map::Lscm.compute(mesh) {
-            Ok(charts) if whole(&charts) => (charts, "charts, computed"),
-            _ => {
-                let (primary, why) = choose(mesh, &PrimaryRequest::Auto)?;
-                return Ok(Chosen {
-                    primary,
-                    why,
-                    computed: None,
-                });
-            }
+    let quality = charts::given(mesh, &mesh.uv_sets[set as usize], found.charts);
+    let kind = found.primary.kind.to_string();
+    let there = Weighed::new(kind, quality, found.fault, mesh.triangles.len());
+    let why = format!("{}; {}", found.why, there.clause());
+    if !there.may_be_beaten() {
+        let why = format!("{why}: nothing computed would do better");
+        return Ok(Chosen {
+            why,
+            ..as_found(found, vec![there])
+        });
+    }
+    let (computed, sphere) = tried(mesh, Map::Sphere, TRIED);
+    let beaten = sphere.beats(&there);
+    let (own, other) = (sphere.clause(), there.clause());
+    let weighed = vec![there, sphere];
+    Ok(match computed.filter(|_| beaten) {
+        Some(computed) => Chosen {
+            primary: computed.primary(),
+            why: format!("{own}, seamless, computed: {}; {other}", verdict(&computed)),
+            computed: Some(computed),
+            weighed,
         },
-    };
-    let why = format!("{}, {how}: {}; {instead}", computed.map, verdict(&computed));
-    Ok(Chosen {
-        primary: computed.primary(),
-        why,
-        computed: Some(computed),
+        None => Chosen {
+            why: format!("{why}; {own}"),
+            ..as_found(found, weighed)
+        },
     })
+}
+
+/// A sphere, or charts, where the file and positions give nothing good; none where neither can be had whole.
+fn from_nothing(mesh: &Mesh, instead: &str, weighed: &mut Vec<Weighed>) -> Option<Chosen> {
+    let (mut best, sphere) = tried(mesh, Map::Sphere, usize::MAX);
+    let good = sphere.cost.is_some_and(|cost| cost <= GOOD);
+    weighed.push(sphere);
+    if !good {
+        let (charts, of_charts) = tried(mesh, Map::Lscm, usize::MAX);
+        let less = of_charts.cost < weighed[0].cost || weighed[0].cost.is_none();
+        if of_charts.cost.is_some() && less {
+            best = charts;
+        }
+        weighed.push(of_charts);
+    }
+    let computed = best?;
+    let how = match computed.map.has_charts() {
+        true => "charts, computed",
+        false => "seamless, computed",
+    };
+    let costs: Vec<String> = weighed.iter().map(Weighed::clause).collect();
+    Some(Chosen {
+        primary: computed.primary(),
+        why: format!(
+            "{}, {how}: {}; {}; {instead}",
+            computed.map,
+            verdict(&computed),
+            costs.join("; ")
+        ),
+        computed: Some(computed),
+        weighed: std::mem::take(weighed),
+    })
+}
+
+/// A map that is computed, if it is whole, and how it was weighed.
+fn tried(mesh: &Mesh, map: Map, most: usize) -> (Option<Computed>, Weighed) {
+    let triangles = mesh.triangles.len();
+    let none = |why: String| (None, Weighed::none(map.to_string(), why));
+    if triangles > most {
+        return none(format!("not tried for more than {most} triangles"));
+    }
+    match map.compute(mesh) {
+        Ok(computed) if computed.quality.turned_triangles.is_empty() => {
+            let quality = computed.quality.clone();
+            let weighed = Weighed::new(map.to_string(), quality, 0.0, triangles);
+            (weighed.cost.is_some().then_some(computed), weighed)
+        }
+        Ok(computed) => {
+            let turned = computed.quality.turned_triangles.len();
+            none(format!("{turned} triangles turned over"))
+        }
+        Err(Error::Parameterization { reason, .. }) => none(reason),
+        Err(other) => none(other.to_string()),
+    }
 }
 
 fn computed(mesh: &Mesh, map: Map, stretch: Option<f64>) -> Result<Chosen> {
@@ -88,6 +174,7 @@ fn computed(mesh: &Mesh, map: Map, stretch: Option<f64>) -> Result<Chosen> {
         primary: computed.primary(),
         why,
         computed: Some(computed),
+        weighed: vec![],
     })
 }
 

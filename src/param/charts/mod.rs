@@ -15,6 +15,7 @@ mod abf;
 mod chart;
 mod cut;
 mod geometry_image;
+mod given;
 mod injective;
 mod isochart;
 mod lscm;
@@ -28,6 +29,7 @@ mod ways;
 
 use crate::error::{Error, Result};
 use crate::mesh::{Embedding, Mesh, NONE};
+pub(crate) use given::given;
 use merge::{Bound, Flat, Flatten, charts};
 use rayon::prelude::*;
 use settle::{Settled, settle};
