@@ -186,3 +186,31 @@ fn auto_computes_where_nothing_else_fits() {
     let ball = parameterize(&dented(), &PrimaryRequest::Auto).unwrap();
     assert!(ball.computed.is_none(), "{}", ball.why);
 }
+
+/// Triangles all seen counter-clockwise that fill the sphere once share no place: exactly, on the grid of the tables.
+#[test]
+fn no_triangle_of_a_closed_sphere_shares_a_place() {
+    for mesh in [
+        shapes::octahedron(),
+        shapes::icosphere(1),
+        shapes::icosphere(2),
+        shapes::icosphere(3),
+        shapes::uv_sphere(12, 6),
+        dented(),
+        corkscrew(),
+    ] {
+        let (computed, open) = computed(&mesh, Map::Sphere);
+        let found = maps::shared(&computed, &open);
+        assert_eq!(found, [0u32; 0], "{}", mesh.name);
+        // Negative control: a vertex moved over its neighbours' far side folds the surface.
+        let mut folded = open.clone();
+        let [a, b, c] = open.triangles[0].map(|v| open.embedding.t3[v as usize]);
+        let over: [f32; 3] = std::array::from_fn(|k| 0.75 * b[k] + 0.75 * c[k] - 0.5 * a[k]);
+        folded.embedding.t3[open.triangles[0][0] as usize] = over;
+        assert!(
+            !maps::shared(&computed, &folded).is_empty(),
+            "{}",
+            mesh.name
+        );
+    }
+}

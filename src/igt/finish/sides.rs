@@ -163,7 +163,31 @@ pub(super) fn apart(a: &Piece, b: &Piece) -> bool {
     if a.line != Line::Cylinder && (a.sense == 0 || b.sense == 0 || a.adjoins(b)) {
         return true;
     }
-    (0..3).any(|i| a.separated_by(i, b)) || (0..3).any(|i| b.separated_by(i, a))
+    (0..3).any(|i| a.separated_by(i, b))
+        || (0..3).any(|i| b.separated_by(i, a))
+        || a.line == Line::Sphere && opposite(a, b)
+}
+
+/// About a centre: whether a plane through a corner of each has the one triangle on its one side and the other on its other.
+///
+/// Edges tell any two triangles apart that half a sphere holds, as they do in the plane. Two on opposite sides may look like
+/// a star of David through the centre, where only such planes lie between them; the lists of texels about the six axes
+/// hold such pairs, as a triangle round an axis counts for the axis' other end too.
+#[cold]
+fn opposite(a: &Piece, b: &Piece) -> bool {
+    let side = |n: [i64; 3], p: [i32; 3]| -> i128 {
+        (0..3).map(|k| i128::from(n[k]) * i128::from(p[k])).sum()
+    };
+    let between = |n: [i64; 3]| {
+        let of = |piece: &Piece| piece.at.map(|p| side(n, p).signum() as i32);
+        let (own, others) = (of(a), of(b));
+        let parts = |sense: i32| {
+            own.iter().all(|s| s * sense >= 0) && others.iter().all(|s| s * sense <= 0)
+        };
+        n != [0; 3] && (parts(1) || parts(-1))
+    };
+    a.at.iter()
+        .any(|p| b.at.iter().any(|q| between(cross(*p, *q))))
 }
 
 /// The regions around `a` ([`Sides::region`](crate::param::projection::Sides::region)) that lines to `b` may pass
@@ -262,6 +286,37 @@ mod tests {
                 "{line:?}: {called_apart}, {shared}"
             );
         }
+    }
+
+    /// No half-line from the centre meets two triangles on opposite sides of it, star of David or not.
+    #[test]
+    fn triangles_on_opposite_sides_are_apart() {
+        let mut state = 5u64;
+        let mut random = |n: i32| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            ((state >> 33) % n as u64) as i32
+        };
+        let mut stars = 0;
+        for _ in 0..2000 {
+            let mut triangle =
+                || [0; 3].map(|_| [700, 20, 500].map(|middle: i32| middle + random(400) - 200));
+            let (a, b) = (triangle(), triangle());
+            let here = apart(&piece(Line::Sphere, 0, a), &piece(Line::Sphere, 3, b));
+            let there = piece(Line::Sphere, 3, b.map(|v| v.map(|x| -x)));
+            let own = piece(Line::Sphere, 0, a);
+            assert!(apart(&own, &there), "{a:?} {b:?}");
+            let by_edges = (0..3).any(|i| own.separated_by(i, &there))
+                || (0..3).any(|i| there.separated_by(i, &own));
+            stars += i32::from(!by_edges && own.sense != 0 && there.sense != 0);
+            // Negative control: on the same side those that meet are not.
+            let middle = [0, 1, 2].map(|k| (a[0][k] + a[1][k] + a[2][k]) * 21);
+            let met =
+                hit(Line::Sphere, middle, &a).is_some() && hit(Line::Sphere, middle, &b).is_some();
+            assert!(!(met && here), "{a:?} {b:?}");
+        }
+        assert!(stars > 20, "{stars} that edges do not tell apart");
     }
 
     #[test]
