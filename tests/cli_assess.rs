@@ -100,6 +100,51 @@ fn two_models_are_baked_with_every_mapping() {
     assert!(differ(&rich, &baked) < 0.5 * differ(&rich, &plain));
 }
 
+/// What lies round points, in 16 bits and in whole numbers.
+#[test]
+fn surroundings_are_baked_in_sixteen_bits() {
+    let folder = Folder::new();
+    let (high, low) = pair(&folder);
+    let out = folder.at("deep");
+    let attributes = "curvature,thickness,shadow,shading,bent-normal,mapping";
+    let more = ["--attributes", attributes, "--bits", "16", "--rays", "8"];
+    let more = [&more[..], &["--format", "exr16", "--light", "0,0,1"]].concat();
+    let json = bake(&high, &low, &out, &more).ok().json();
+    assert_eq!(json["textures"].as_array().unwrap().len(), 12);
+    let open = |name: &str| image::open(format!("{out}/ball_{name}.png")).unwrap();
+    let mask = open("mask").into_rgba8();
+    let found = || (0..64 * 64).filter(|k| mask.get_pixel(k % 64, k / 64)[0] == 255);
+    // A ball bulges nearly everywhere, waves and all, and one half of it is lit.
+    let curvature = open("curvature");
+    assert_eq!(curvature.color(), image::ColorType::Rgba16);
+    let curvature = curvature.into_rgba16();
+    let shadow = open("shadow").into_rgba16();
+    let at = |of: &image::ImageBuffer<image::Rgba<u16>, Vec<u16>>, k: u32| {
+        of.get_pixel(k % 64, k / 64)[0]
+    };
+    let bulges = found().filter(|&k| at(&curvature, k) > 32_768).count();
+    assert!(bulges as f32 > 0.8 * found().count() as f32, "{bulges}");
+    let lit = found().filter(|&k| at(&shadow, k) == 65535).count();
+    let dark = found().filter(|&k| at(&shadow, k) == 0).count();
+    assert_eq!(lit + dark, found().count());
+    assert!(lit > 500 && dark > 500, "{lit} {dark}");
+    // Of 8 bits nothing is left between the steps; of 16 there is.
+    let fine = found().any(|k| at(&curvature, k) % 257 != 0);
+    bake(&high, &low, &out, &["--attributes", "curvature"]).ok();
+    assert!(fine && open("curvature").color() == image::ColorType::Rgba8);
+    // Numbers of triangles are whole numbers.
+    let path = format!("{out}/ball_mapping.exr");
+    let image = exr::prelude::read_all_flat_layers_from_file(path).unwrap();
+    let channels = &image.layer_data[0].channel_data.list;
+    let numbers = channels.iter().find(|c| c.name == *"triangle.id").unwrap();
+    let exr::prelude::FlatSamples::U32(numbers) = &numbers.sample_data else {
+        panic!("no whole numbers")
+    };
+    let most = 40 * 80 * 2;
+    assert!(found().all(|k| numbers[k as usize] < most));
+    assert!(numbers.contains(&u32::MAX));
+}
+
 #[test]
 fn measures_come_for_every_mapping_and_repeat() {
     let folder = Folder::new();
@@ -182,6 +227,21 @@ fn what_cannot_be_rated_or_baked_is_refused() {
             &["--attributes", "normal", "--probes", "0"],
             2,
             &["--probes"],
+        ),
+        (
+            &["--attributes", "shadow", "--light", "0,0"],
+            2,
+            &["--light", "0,1,0.5"],
+        ),
+        (
+            &["--attributes", "thickness", "--ray-reach", "-1"],
+            2,
+            &["--ray-reach"],
+        ),
+        (
+            &["--attributes", "bent"],
+            2,
+            &["--attributes", "bent-normal"],
         ),
     ] {
         bake(&high, &low, &out, more).fails(code, words);

@@ -120,6 +120,15 @@ fn srgb_to_linear(coded: f64) -> f64 {
     }
 }
 
+/// The sRGB curve (IEC 61966-2-1) of a linear value, 0 below 0.
+pub(crate) fn linear_to_srgb(linear: f64) -> f64 {
+    if linear <= 0.003_130_8 {
+        12.92 * linear.max(0.0)
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

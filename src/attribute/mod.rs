@@ -7,6 +7,7 @@
 pub(crate) mod arithmetic;
 mod columns;
 mod from_scene;
+pub(crate) mod hemisphere;
 mod material;
 mod mips;
 mod named;

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::attribute::Computed;
-use super::bake_files::{Files, Finished, stems};
+use super::bake_around::Surroundings;
+use super::bake_files::{Files, Finished, Target, stems};
 use super::bake_preview::preview;
 use super::bake_report::Report;
 use super::device::Device;
@@ -13,7 +14,6 @@ use super::recovery::{Recovering, renderer, scene};
 use super::view::Size;
 use super::{Common, bad_option, mesh_named, note, print};
 use invertex::asset::{Built, Model};
-use invertex::output::make_folder;
 use invertex::recover::{
     BakeAttribute, BakeSettings, Baker, Mapping, Misses, Over, Pair, PairSettings,
 };
@@ -31,10 +31,12 @@ visibility-face, visibility-vertex, visibility-texel (along the mean direction t
 hybrid-texel (between the two by how much directions vary), cage (along the normal from outside, inwards), auto (the best of
 them for each texel, by what probes see of HIGH). `invertex assess` rates them for a pair.
 
-Attributes: normal (tangent space, +Y up), object-normal, position, height (over the surface along its normal; 8 bits reach
-as far as rays), mapping (the number of the triangle and two barycentrics: --format exr), color (base colour, vertex colours
+Attributes: normal (tangent space, +Y up), object-normal, position, height (over the surface along its normal; PNG reaches
+as far as rays), mapping (triangle.id, whole numbers, and barycentric.x .y .z: --format exr), color (base colour, vertex colours
 included), vertex-color (COLOR_0), and all that `render --attribute` knows: occlusion, metallic-roughness, emissive, triangle-color,
-material, part, _NAME, wood, ... and products of them.
+material, part, _NAME, wood, ... and products of them. From what lies round a point of HIGH: bent-normal (the mean direction of open
+sky, tangent space), object-bent-normal, curvature (mean, 1 / unit; PNG: half is flat, lighter bulges), thickness (the mean way
+through the body; PNG: white where it is as far as --ray-reach), shadow (1 where --light reaches), shading (the cosine to it).
 
 Files in OUT: MESH_ATTRIBUTE.png, MESH_mask.png (white: a point of the reference; light grey: the closest one, for a ray that
 missed; grey: a neighbour's value; black: the mean), baked.glb.
@@ -49,6 +51,7 @@ Examples:
   invertex bake built.glb -o textures/ --lod 2 --attributes color,normal,metallic-roughness --size 2048
   invertex bake built.glb -o textures/ --attributes occlusion,_HEAT:0..100 --format exr
   invertex bake built.glb -o wood/ --lod 3 --attributes 'wood*occlusion' --samples 4
+  invertex bake scan.glb low.glb -o textures/ --attributes bent-normal,curvature,thickness --bits 16
   invertex bake built.glb -o square/ --over primary --attributes color,object-normal,position")]
 pub(super) struct Bake {
     /// The model whose detail is wanted; alone, a file that `build` made.
@@ -80,9 +83,12 @@ pub(super) struct Bake {
     /// Texels that borders grow by.
     #[arg(long, value_name = "N", default_value_t = 8)]
     padding: u32,
-    /// 8 bits, or also linear floats.
+    /// PNG, or also linear floats.
     #[arg(long, value_enum, default_value_t = Format::Png)]
     format: Format,
+    /// Bits of a channel of PNG; textures within baked.glb have 8.
+    #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(["8", "16"]), default_value = "8")]
+    bits: String,
     /// Bake this mesh alone.
     #[arg(long, value_name = "NAME")]
     mesh: Option<String>,
@@ -99,6 +105,8 @@ pub(super) struct Bake {
     recovering: Recovering,
     #[command(flatten)]
     computed: Computed,
+    #[command(flatten)]
+    surroundings: Surroundings,
 }
 
 /// What stands in for a point.
@@ -122,17 +130,18 @@ enum Layout {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Format {
-    /// 8 bits: colours as sRGB, data as it is, directions from -1..1.
+    /// Colours as sRGB, data as it is, directions from -1..1.
     Png,
-    /// Those, and linear floats beside them.
+    /// Those, and linear floats of 32 bits beside them.
     Exr,
+    /// Those, and linear floats of 16 bits beside them.
+    Exr16,
 }
 
-/// When stages ended.
+/// When work began, and was prepared.
 struct Stages {
     start: Instant,
     prepared: Duration,
-    baked: Duration,
 }
 
 impl Bake {
@@ -158,23 +167,21 @@ impl Bake {
         let name = |k: usize| built.scene.meshes[built.meshes[k].mesh].name.as_str();
         let stems = stems((0..built.meshes.len()).map(|k| (built.meshes[k].mesh, name(k))));
         let instances = built.scene.instances();
-        let mut all = Vec::new();
-        for &k in &chosen {
-            let own = instances.iter().filter(|i| i.mesh == built.meshes[k].mesh);
-            all.push(Finished {
-                name: name(k).to_owned(),
-                stem: stems[k].clone(),
-                baked: baker.mesh(k, &heard)?,
-                places: own.map(|i| i.world.as_mat4().to_cols_array_2d()).collect(),
-            });
-        }
-        let stages = Stages {
-            start,
-            prepared,
-            baked: start.elapsed(),
-        };
         let mut report = Report::new(self.high.display().to_string(), &settings);
         report.warnings = baker.warnings.clone();
+        let (files, mut all) = (self.files(), Vec::new());
+        for &k in &chosen {
+            let own = instances.iter().filter(|i| i.mesh == built.meshes[k].mesh);
+            let target = Target {
+                name: name(k).to_owned(),
+                stem: stems[k].clone(),
+                places: own.map(|i| i.world.as_mat4().to_cols_array_2d()).collect(),
+            };
+            all.push(files.bake(target, &mut report, |taker| {
+                baker.mesh_each(k, &heard, taker)
+            })?);
+        }
+        let stages = Stages { start, prepared };
         drop(heard);
         self.finish(common, &all, report, &stages, &|_| Ok(None))
     }
@@ -198,23 +205,21 @@ impl Bake {
                 name,
             )?],
         };
-        let mut all = Vec::new();
+        let models = [&self.high, &low.to_path_buf()].map(|f| f.display().to_string());
+        let mut report = Report::of_pair(models, &device.name(), &settings);
+        report.warnings = pair.warnings.clone();
+        let (files, mut all) = (self.files(), Vec::new());
         for k in chosen {
-            all.push(Finished {
-                baked: pair.bake(k, &heard)?,
+            let target = Target {
                 name: names[k].clone(),
                 stem: stems[k].clone(),
                 places: vec![pair.place(k)],
-            });
+            };
+            all.push(files.bake(target, &mut report, |taker| {
+                pair.bake_each(k, &heard, taker)
+            })?);
         }
-        let stages = Stages {
-            start,
-            prepared,
-            baked: start.elapsed(),
-        };
-        let files = [&self.high, &low.to_path_buf()].map(|f| f.display().to_string());
-        let mut report = Report::of_pair(files, &device.name(), &settings);
-        report.warnings = pair.warnings.clone();
+        let stages = Stages { start, prepared };
         drop(heard);
         let picture = |baked: &[u8]| match self.preview {
             true => preview(&device, &high_scene, &low_scene, baked).map(Some),
@@ -225,7 +230,22 @@ impl Bake {
         Ok(())
     }
 
-    /// Writes everything and says so. `picture` makes a preview of the surfaces' file.
+    /// Where files go.
+    fn files(&self) -> Files {
+        let Size(size, _) = self.size;
+        Files {
+            folder: self.output.clone(),
+            size,
+            bits: if self.bits == "16" { 16 } else { 8 },
+            floats: match self.format {
+                Format::Png => None,
+                Format::Exr => Some(32),
+                Format::Exr16 => Some(16),
+            },
+        }
+    }
+
+    /// Writes what belongs to all textures and says what there is. `picture` makes a preview of the surfaces' file.
     fn finish(
         &self,
         common: &Common,
@@ -234,19 +254,9 @@ impl Bake {
         stages: &Stages,
         picture: &dyn Fn(&[u8]) -> Result<Option<Vec<u8>>>,
     ) -> Result<()> {
-        make_folder(&self.output)?;
-        let Size(size, _) = self.size;
-        let files = Files {
-            folder: self.output.clone(),
-            size,
-            floats: self.format == Format::Exr,
-        };
-        let mut textures = Vec::new();
-        for mesh in all {
-            textures.push(files.write_mesh(mesh, &mut report)?);
-        }
+        let resampled = stages.start.elapsed() - stages.prepared - report.writing;
         if self.over != Some(Layout::Primary) {
-            let glb = files.write_glb(all, &textures, &mut report)?;
+            let glb = self.files().write_glb(all, &mut report)?;
             if let Some(png) = picture(&glb)? {
                 report.file(&self.output.join("preview.png"), &png)?;
             }
@@ -255,8 +265,8 @@ impl Bake {
         let ms = |d: Duration| d.as_secs_f64() * 1e3;
         report.ms = vec![
             ("prepare", ms(stages.prepared)),
-            ("resample", ms(stages.baked - stages.prepared)),
-            ("write", ms(stages.start.elapsed() - stages.baked)),
+            ("resample", ms(resampled)),
+            ("write", ms(report.writing)),
         ];
         report
             .warnings
@@ -303,6 +313,7 @@ impl Bake {
             samples: self.samples.unwrap_or(2),
             padding: self.padding,
             shown: self.computed.options()?,
+            around: self.surroundings.options()?,
         })
     }
 
@@ -335,6 +346,7 @@ impl Bake {
             samples: self.samples.unwrap_or(1),
             padding: self.padding,
             shown: self.computed.options()?,
+            around: self.surroundings.options()?,
         })
     }
 

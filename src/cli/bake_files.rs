@@ -1,36 +1,46 @@
 //! The files that a bake leaves: textures, masks, and the surface with what its material can have of them.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use super::bake_report::{MeshReport, Report, TextureReport};
 use super::plain;
 use invertex::Result;
 use invertex::attribute::Attribute;
+use invertex::mesh::Mesh;
 use invertex::output::{
-    TexturePlace, TexturedMesh, encode_exr, encode_glb, encode_png, write_bytes,
+    TexturePlace, TexturedMesh, encode_exr, encode_exr_half, encode_exr_mapping, encode_glb,
+    encode_png, encode_png16, make_folder, write_bytes,
 };
-use invertex::recover::{BakeAttribute, Baked};
+use invertex::recover::{BakeAttribute, Baked, BakedTexture};
 
 /// Where files go, and in which formats.
 pub(super) struct Files {
     pub(super) folder: PathBuf,
     /// Texels along a side.
     pub(super) size: u32,
-    /// Whether linear floats are written beside 8 bits.
-    pub(super) floats: bool,
+    /// Bits of a channel of PNG: 8 or 16.
+    pub(super) bits: u8,
+    /// Whether linear floats are written beside it, of how many bits: 16 or 32.
+    pub(super) floats: Option<u8>,
 }
 
-/// A baked mesh, what it is called, and where it stands.
-pub(super) struct Finished {
+/// A mesh that is baked for: what it is called, and where it stands.
+pub(super) struct Target {
     pub(super) name: String,
     /// Begins the names of its files.
     pub(super) stem: String,
-    pub(super) baked: Baked,
     pub(super) places: Vec<[[f32; 4]; 4]>,
 }
 
-/// The first texture, as PNG, for each place of a material.
-pub(super) type Textures = Vec<(TexturePlace, Vec<u8>)>;
+/// What its surface takes along.
+pub(super) struct Finished {
+    pub(super) target: Target,
+    /// None over the primary.
+    pub(super) low: Option<Mesh>,
+    /// The first texture, as PNG of 8 bits, for each place of a material.
+    pub(super) textures: Vec<(TexturePlace, Vec<u8>)>,
+}
 
 /// Stems for names, the number appended where two are alike.
 pub(super) fn stems<'a>(names: impl Iterator<Item = (usize, &'a str)>) -> Vec<String> {
@@ -44,60 +54,109 @@ pub(super) fn stems<'a>(names: impl Iterator<Item = (usize, &'a str)>) -> Vec<St
 }
 
 impl Files {
-    /// Textures and mask of a mesh; what its material can have of them.
-    pub(super) fn write_mesh(&self, mesh: &Finished, report: &mut Report) -> Result<Textures> {
-        let (size, stem) = (self.size, &mesh.stem);
-        let mut textures = Textures::new();
-        for texture in &mesh.baked.textures {
-            let attribute = texture.attribute.to_string();
-            let stem = format!("{stem}_{}", plain(&attribute));
-            let png = encode_png(size, size, &texture.rgba8)?;
-            let free = |place: &TexturePlace| !textures.iter().any(|(p, _)| p == place);
-            if let Some(place) = place(&texture.attribute).filter(free) {
-                textures.push((place, png.clone()));
+    /// Bakes a mesh by `bake`, which hands textures over, and writes each as soon as it is finished: what comes later can
+    /// lose none of them.
+    pub(super) fn bake(
+        &self,
+        target: Target,
+        report: &mut Report,
+        bake: impl FnOnce(&mut dyn FnMut(BakedTexture) -> Result<()>) -> Result<Baked>,
+    ) -> Result<Finished> {
+        let mut textures = Vec::new();
+        let baked = bake(&mut |texture| {
+            let start = Instant::now();
+            let attribute = texture.attribute.clone();
+            let png = self.write(&target, &texture, report)?;
+            let taken = |place: &TexturePlace| textures.iter().any(|(p, _)| p == place);
+            if let Some(place) = place(&attribute).filter(|place| !taken(place)) {
+                let eight = match self.bits {
+                    8 => png,
+                    _ => encode_png(self.size, self.size, &texture.rgba8())?,
+                };
+                textures.push((place, eight));
             }
-            let mut files = vec![(format!("{stem}.png"), png)];
-            if self.floats {
-                let exr = encode_exr(size, size, &texture.values, None)?;
-                files.push((format!("{stem}.exr"), exr));
+            report.writing += start.elapsed();
+            Ok(())
+        })?;
+        self.write_mask(&target, &baked.mask, report)?;
+        report.mesh(MeshReport::new(&target.name, &baked, self.size));
+        Ok(Finished {
+            target,
+            low: baked.low,
+            textures,
+        })
+    }
+
+    /// The files of a texture; the bytes of its PNG.
+    fn write(
+        &self,
+        target: &Target,
+        texture: &BakedTexture,
+        report: &mut Report,
+    ) -> Result<Vec<u8>> {
+        make_folder(&self.folder)?;
+        let side = self.size;
+        let attribute = texture.attribute.to_string();
+        let stem = format!("{}_{}", target.stem, plain(&attribute));
+        let mut write = |ending: &str, bytes: &[u8]| {
+            let path = self.folder.join(format!("{stem}.{ending}"));
+            write_bytes(&path, bytes)?;
+            let told = TextureReport::new(&target.name, &attribute, &path, bytes);
+            report.textures.push(told);
+            Ok(())
+        };
+        let png = match self.bits {
+            8 => encode_png(side, side, &texture.rgba8())?,
+            _ => encode_png16(side, side, &texture.rgba16())?,
+        };
+        write("png", &png)?;
+        let exr = match (self.floats, texture.triangles()) {
+            (None, _) => return Ok(png),
+            // Numbers and places within triangles are never cut short.
+            (_, Some(triangles)) => {
+                let rest = |v: &[f32; 4]| match v[0] {
+                    x if x < 0.0 => [0.0; 3],
+                    _ => [1.0 - v[1] - v[2], v[1], v[2]],
+                };
+                let b: Vec<[f32; 3]> = texture.values.iter().map(rest).collect();
+                encode_exr_mapping(side, side, &triangles, &b)?
             }
-            for (file, bytes) in files {
-                let path = self.folder.join(file);
-                write_bytes(&path, &bytes)?;
-                report
-                    .textures
-                    .push(TextureReport::new(&mesh.name, &attribute, &path, &bytes));
-            }
-        }
+            (Some(16), None) => encode_exr_half(side, side, &texture.values)?,
+            _ => encode_exr(side, side, &texture.values, None)?,
+        };
+        write("exr", &exr)?;
+        Ok(png)
+    }
+
+    fn write_mask(&self, target: &Target, mask: &[u8], report: &mut Report) -> Result<()> {
+        let start = Instant::now();
         let shade = |&m: &u8| [m, m, m, 255];
-        let mask: Vec<u8> = mesh.baked.mask.iter().flat_map(shade).collect();
-        report.file(
-            &self.folder.join(format!("{stem}_mask.png")),
-            &encode_png(size, size, &mask)?,
-        )?;
-        let triangles = mesh.baked.low.as_ref().map(|low| low.triangles.len());
-        report.mesh(MeshReport::new(&mesh.name, triangles, &mesh.baked, size));
-        Ok(textures)
+        let mask: Vec<u8> = mask.iter().flat_map(shade).collect();
+        let path = self.folder.join(format!("{}_mask.png", target.stem));
+        report.file(&path, &encode_png(self.size, self.size, &mask)?)?;
+        report.writing += start.elapsed();
+        Ok(())
     }
 
     /// The surfaces with their textures; the file's bytes.
-    pub(super) fn write_glb(
-        &self,
-        all: &[Finished],
-        textures: &[Textures],
-        report: &mut Report,
-    ) -> Result<Vec<u8>> {
+    pub(super) fn write_glb(&self, all: &[Finished], report: &mut Report) -> Result<Vec<u8>> {
+        let start = Instant::now();
         let mut meshes = Vec::new();
-        for (mesh, textures) in all.iter().zip(textures) {
-            let textures = textures.iter().map(|(place, png)| (*place, png.as_slice()));
-            meshes.extend(mesh.baked.low.as_ref().map(|low| TexturedMesh {
-                mesh: low,
-                textures: textures.collect(),
-                places: mesh.places.clone(),
+        for mesh in all {
+            let textures = mesh.textures.iter();
+            meshes.extend(mesh.low.as_ref().map(|low| {
+                TexturedMesh {
+                    mesh: low,
+                    textures: textures
+                        .map(|(place, png)| (*place, png.as_slice()))
+                        .collect(),
+                    places: mesh.target.places.clone(),
+                }
             }));
         }
         let bytes = encode_glb(&meshes)?;
         report.file(&self.folder.join("baked.glb"), &bytes)?;
+        report.writing += start.elapsed();
         Ok(bytes)
     }
 }
@@ -106,10 +165,6 @@ impl Files {
 fn place(attribute: &BakeAttribute) -> Option<TexturePlace> {
     match attribute {
         BakeAttribute::Normal => Some(TexturePlace::Normal),
-        BakeAttribute::ObjectNormal
-        | BakeAttribute::Position
-        | BakeAttribute::Height
-        | BakeAttribute::Mapping => None,
         BakeAttribute::Shown(shown) => match shown.to_string().as_str() {
             "metallic-roughness" => Some(TexturePlace::MetallicRoughness),
             "occlusion" | "occlusion-map" => Some(TexturePlace::Occlusion),
@@ -118,5 +173,6 @@ fn place(attribute: &BakeAttribute) -> Option<TexturePlace> {
                 .filter(|s: &&Attribute| !s.is_data())
                 .map(|_| TexturePlace::BaseColor),
         },
+        _ => None,
     }
 }

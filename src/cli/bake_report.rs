@@ -1,6 +1,7 @@
 //! What `bake` says of its textures.
 
 use std::path::Path;
+use std::time::Duration;
 
 use invertex::Result;
 use invertex::output::write_bytes;
@@ -31,6 +32,9 @@ pub(super) struct Report {
     meshes: Vec<MeshReport>,
     pub(super) textures: Vec<TextureReport>,
     files: Vec<String>,
+    /// Time that writing took.
+    #[serde(skip)]
+    pub(super) writing: Duration,
     #[serde(serialize_with = "by_name")]
     pub(super) ms: Vec<(&'static str, f64)>,
     pub(super) warnings: Vec<String>,
@@ -76,7 +80,7 @@ impl TextureReport {
 }
 
 impl MeshReport {
-    pub(super) fn new(name: &str, triangles: Option<usize>, baked: &Baked, size: u32) -> Self {
+    pub(super) fn new(name: &str, baked: &Baked, size: u32) -> Self {
         let counts = [
             baked.filled,
             baked.missed,
@@ -86,7 +90,7 @@ impl MeshReport {
         let (filled_fraction, missed_fraction) = fractions(counts);
         MeshReport {
             name: name.to_owned(),
-            triangles,
+            triangles: baked.low.as_ref().map(|low| low.triangles.len()),
             filled_fraction,
             missed_fraction,
             counts,
@@ -121,6 +125,7 @@ impl Report {
             meshes: vec![],
             textures: vec![],
             files: vec![],
+            writing: Duration::ZERO,
             ms: vec![],
             warnings: vec![],
         }

@@ -7,6 +7,7 @@ mod ambiguous;
 mod assess;
 mod attribute;
 mod bake;
+mod bake_around;
 mod bake_files;
 mod bake_preview;
 mod bake_report;

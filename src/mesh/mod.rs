@@ -4,12 +4,14 @@
 //! range, arrays of equal length or empty, floats finite.
 
 pub(crate) mod bvh;
+mod curvature;
 mod embedding;
 mod normal;
 pub mod shapes;
 mod tangent;
 mod topology;
 
+pub use curvature::mean_curvature;
 pub use embedding::Embedding;
 pub(crate) use normal::double_area_vector;
 pub use normal::smooth_normals;

@@ -11,9 +11,9 @@ mod map_picture;
 mod png;
 pub mod report;
 
-pub use exr::{Aov, encode_exr};
+pub use exr::{Aov, encode_exr, encode_exr_half, encode_exr_mapping};
 pub use file::{check_target, make_folder, write_bytes};
 pub use glb::{TexturePlace, TexturedMesh, encode_glb};
 pub use heat_map::heat_map;
 pub use map_picture::{MapPictures, map_pictures};
-pub use png::encode_png;
+pub use png::{encode_png, encode_png16};

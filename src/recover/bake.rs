@@ -2,13 +2,17 @@
 //!
 //! In: a built model, [`BakeSettings`]. Out: [`Baked`] for each mesh that is asked for.
 
+use super::around::{Around, AroundOptions};
+use super::coding::{Coding, number};
 use super::mapping::Mapping;
-use super::resample::{Fineness, resample};
-use super::source::{BakeAttribute, Source};
+use super::resample::{Fineness, Taker, resample};
+use super::source::Source;
 use super::surface::{OverLod, OverPrimary};
+use super::wanted::BakeAttribute;
 use crate::asset::{Built, Progress};
 use crate::attribute::ShownOptions;
 use crate::mesh::Mesh;
+use crate::mesh::bvh::Bvh;
 use crate::{Error, Result};
 
 /// What textures are laid out over.
@@ -37,6 +41,8 @@ pub struct BakeSettings {
     pub padding: u32,
     /// Of attributes that are computed.
     pub shown: ShownOptions,
+    /// Of attributes that depend on what lies round a point.
+    pub around: AroundOptions,
 }
 
 impl Default for BakeSettings {
@@ -49,16 +55,17 @@ impl Default for BakeSettings {
             samples: 2,
             padding: 8,
             shown: ShownOptions::default(),
+            around: AroundOptions::default(),
         }
     }
 }
 
 /// The textures of a mesh.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Baked {
     /// The surface they are laid out over: uv set 0, tangents along it. None over the primary.
     pub low: Option<Mesh>,
-    /// In the order of the settings.
+    /// In the order of the settings; none where they were handed over one by one.
     pub textures: Vec<BakedTexture>,
     /// For each texel 255 where it has its point of the reference, 192 where it has one that stands in for what the mapping
     /// did not find, 128 where it got its neighbour's value, 0 elsewhere.
@@ -78,8 +85,26 @@ pub struct BakedTexture {
     pub attribute: BakeAttribute,
     /// Linear values, row after row from v = 0; directions and positions as they are. Texels without a value have the mean.
     pub values: Vec<[f32; 4]>,
-    /// The same in 8 bits: colours as sRGB, data as it is, directions from -1..1 to 0..255.
-    pub rgba8: Vec<u8>,
+    pub(super) coding: Coding,
+}
+
+impl BakedTexture {
+    /// The values in 8 bits: colours as sRGB, data as it is, directions from -1..1 to 0..255.
+    pub fn rgba8(&self) -> Vec<u8> {
+        self.coding.eight(&self.values)
+    }
+
+    /// Likewise in 16 bits.
+    pub fn rgba16(&self) -> Vec<u16> {
+        self.coding.sixteen(&self.values)
+    }
+
+    /// Of [`BakeAttribute::Mapping`]: for each texel the number of its triangle, `u32::MAX` where there is none. A float alone
+    /// holds no number above 2^24.
+    pub fn triangles(&self) -> Option<Vec<u32>> {
+        let all = self.values.iter().map(|v| number(*v).unwrap_or(u32::MAX));
+        (self.attribute == BakeAttribute::Mapping).then(|| all.collect())
+    }
 }
 
 /// Attributes made ready to be baked for one mesh after the other.
@@ -106,7 +131,7 @@ impl<'a> Baker<'a> {
         let (sources, warnings) = Source::all(
             &built.scene,
             &settings.attributes,
-            &settings.shown,
+            (&settings.shown, &settings.around),
             progress,
         )?;
         Ok(Baker {
@@ -122,16 +147,42 @@ impl<'a> Baker<'a> {
     /// # Errors
     /// [`Error::Capacity`] where the atlas of a LoD does not fit; [`Error::Cancelled`].
     pub fn mesh(&mut self, number: usize, progress: &dyn Progress) -> Result<Baked> {
+        collected(|taker| self.mesh_each(number, progress, taker))
+    }
+
+    /// Likewise, each texture handed over as soon as it is finished, so that no more memory is taken than two or three of the
+    /// largest need.
+    ///
+    /// # Errors
+    /// As [`Baker::mesh`]; those of `finished`, which end the work.
+    pub fn mesh_each(
+        &mut self,
+        number: usize,
+        progress: &dyn Progress,
+        finished: &mut dyn FnMut(BakedTexture) -> Result<()>,
+    ) -> Result<Baked> {
         let built = &self.built.meshes[number];
         let reference = &self.built.scene.meshes[built.mesh];
+        let wanted = &self.settings.attributes;
+        let casts = wanted.iter().any(BakeAttribute::asks_around);
+        let corners = (0..reference.triangles.len()).filter(|_| casts);
+        let tree = Bvh::new(&corners.map(|t| reference.corners(t)).collect::<Vec<_>>());
+        let around = Around::new(
+            &tree,
+            std::iter::once(reference),
+            wanted,
+            &self.settings.around,
+        );
         for source in &mut self.sources {
             source.take(reference, built.mesh)?;
+            source.reach(None, &around);
         }
-        let fineness = fineness(self.settings);
+        let (sources, fineness) = (&self.sources, fineness(self.settings));
         match self.settings.over {
             Over::Lod(level) => {
                 let surface = OverLod::new(built, reference, level, fineness)?;
-                let baked = resample(&self.sources, &surface, fineness, progress)?;
+                let over = (&surface as _, &around);
+                let baked = resample(sources, over, fineness, progress, finished)?;
                 Ok(Baked {
                     low: Some(surface.low),
                     ..baked
@@ -139,10 +190,21 @@ impl<'a> Baker<'a> {
             }
             Over::Primary => {
                 let surface = OverPrimary::new(built, reference, fineness);
-                resample(&self.sources, &surface, fineness, progress)
+                let over = (&surface as _, &around);
+                resample(sources, over, fineness, progress, finished)
             }
         }
     }
+}
+
+/// What a walk that hands textures over leaves, with the textures.
+pub(super) fn collected(walk: impl FnOnce(Taker) -> Result<Baked>) -> Result<Baked> {
+    let mut textures = Vec::new();
+    let baked = walk(&mut |texture| {
+        textures.push(texture);
+        Ok(())
+    })?;
+    Ok(Baked { textures, ..baked })
 }
 
 fn fineness(settings: &BakeSettings) -> Fineness {
@@ -188,10 +250,15 @@ fn check(built: &Built, settings: &BakeSettings) -> Result<()> {
             let reason = "height needs the surface of a LoD to be measured from";
             wrong("--attributes", reason.into())
         }
-        Over::Primary if settings.attributes.contains(&BakeAttribute::Normal) => {
-            let reason = "normal needs the tangents of a LoD; over the primary parameterization bake object-normal";
-            wrong("--attributes", reason.into())
-        }
+        Over::Primary => match settings.attributes.iter().find(|a| a.is_tangent()) {
+            Some(tangent) => wrong(
+                "--attributes",
+                format!(
+                    "{tangent} needs the tangents of a LoD; over the primary parameterization bake object-{tangent}"
+                ),
+            ),
+            None => Ok(()),
+        },
         _ => Ok(()),
     }
 }

@@ -2,50 +2,60 @@
 
 use rayon::prelude::*;
 
-/// Texels with a value spread into those without, one texel a round for `rounds` rounds; the first neighbour counts, left,
-/// right, above, below.
-pub(super) fn spread<T: Copy + Send + Sync>(
-    known: Vec<Option<T>>,
-    size: u32,
-    rounds: u32,
-) -> Vec<Option<T>> {
-    spread_but(known, size, rounds, &|_| false)
+/// A texel without a value, and the neighbour whose value it takes; that one may have taken it before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Grown {
+    pub(super) at: u32,
+    pub(super) from: u32,
 }
 
-/// Likewise, but into no texel that is `closed`.
-pub(super) fn spread_but<T: Copy + Send + Sync>(
-    mut known: Vec<Option<T>>,
+/// Texels with a value spread into those without, one texel a round for `rounds` rounds; the first neighbour counts, left,
+/// right, above, below.
+pub(super) fn spread<T: Copy>(mut known: Vec<Option<T>>, size: u32, rounds: u32) -> Vec<Option<T>> {
+    let there = known.iter().map(Option::is_some).collect();
+    for Grown { at, from } in growth(there, size, rounds, &|_| false) {
+        known[at as usize] = known[from as usize];
+    }
+    known
+}
+
+/// Likewise, but into no texel that is `closed`: who takes whose value, in the order in which it is done.
+pub(super) fn growth(
+    mut known: Vec<bool>,
     size: u32,
     rounds: u32,
     closed: &(dyn Fn(usize) -> bool + Sync),
-) -> Vec<Option<T>> {
+) -> Vec<Grown> {
     let size = size as usize;
     // The first round looks at all texels, later ones at the neighbours of those that the round before has filled.
-    let mut open: Vec<usize> = Vec::new();
+    let (mut open, mut all): (Vec<usize>, Vec<Grown>) = (Vec::new(), Vec::new());
     for round in 0..rounds {
         if round == 0 {
             let empty = (0..known.len()).into_par_iter();
             open = empty
-                .filter(|&at| known[at].is_none() && !closed(at))
-                .filter(|&at| near(at, size, known.len()).any(|n| known[n].is_some()))
+                .filter(|&at| !known[at] && !closed(at))
+                .filter(|&at| near(at, size, known.len()).any(|n| known[n]))
                 .collect();
         }
-        let value = |&at: &usize| {
-            let first = near(at, size, known.len()).find_map(|n| known[n]);
-            (at, first)
-        };
-        let filled: Vec<(usize, Option<T>)> = open.par_iter().map(value).collect();
-        filled.iter().for_each(|&(at, value)| known[at] = value);
+        let first = all.len();
+        all.extend(open.iter().filter_map(|&at| {
+            let from = near(at, size, known.len()).find(|&n| known[n])?;
+            let [at, from] = [at, from].map(|x| x as u32);
+            Some(Grown { at, from })
+        }));
+        all[first..]
+            .iter()
+            .for_each(|g| known[g.at as usize] = true);
         let mut next: Vec<usize> = open
             .iter()
             .flat_map(|&at| near(at, size, known.len()))
-            .filter(|&n| known[n].is_none() && !closed(n))
+            .filter(|&n| !known[n] && !closed(n))
             .collect();
         next.sort_unstable();
         next.dedup();
         open = next;
     }
-    known
+    all
 }
 
 /// The texels left, right, above and below, as far as there are any.
@@ -89,10 +99,12 @@ mod tests {
         let closed = |at: usize| at % 7 == 3;
         let mut slow = known.clone();
         for rounds in 0..6 {
-            assert_eq!(
-                spread_but(known.clone(), size as u32, rounds, &closed),
-                slow
-            );
+            let there = known.iter().map(Option::is_some).collect();
+            let mut fast = known.clone();
+            for Grown { at, from } in growth(there, size as u32, rounds, &closed) {
+                fast[at as usize] = fast[from as usize];
+            }
+            assert_eq!(fast, slow);
             let round = |at: usize| {
                 let first = || near(at, size, slow.len()).find_map(|n| slow[n]);
                 slow[at].or_else(|| if closed(at) { None } else { first() })

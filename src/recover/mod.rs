@@ -16,9 +16,11 @@
 //! neighbours of texels across seams that the paper leaves open.
 
 mod address;
+mod around;
 mod atlas;
 mod bake;
 mod choose;
+mod coding;
 mod continuity;
 mod conventional;
 mod fill;
@@ -28,6 +30,7 @@ mod laid;
 mod low;
 mod many;
 mod mapping;
+mod over_low;
 mod pair;
 mod prefilter;
 mod prefilter_apart;
@@ -39,6 +42,7 @@ mod standing;
 mod surface;
 mod texel;
 mod visible;
+mod wanted;
 
 pub(crate) use continuity::{Links, centres};
 pub(crate) use find::{Finder, Search};
@@ -49,6 +53,7 @@ pub(crate) use probe::spread;
 pub(crate) use texel::place;
 pub(crate) use visible::{Field, Fields};
 
+pub use around::AroundOptions;
 pub use bake::{BakeSettings, Baked, BakedTexture, Baker, Over};
 pub use conventional::stage_baked;
 pub use laid::UvLayout;
@@ -57,4 +62,4 @@ pub use mapping::{Mapping, Misses, Probes, Recovery};
 pub use pair::{Pair, PairSettings};
 pub use prefilter::prefilter;
 pub use probe::Draw;
-pub use source::BakeAttribute;
+pub use wanted::BakeAttribute;

@@ -2,27 +2,26 @@
 //!
 //! In: a detailed scene, a simple one, [`PairSettings`]. Out: [`Pair`], whose meshes are baked one after the other.
 
-use super::bake::{Baked, numbers_are_whole};
-use super::find::{Finder, Search};
+use super::around::{Around, AroundOptions};
+use super::bake::{Baked, BakedTexture, collected, numbers_are_whole};
+use super::find::Finder;
 use super::high::High;
 use super::laid::{Laid, UvLayout};
 use super::mapping::{Mapping, Misses, Recovery};
+use super::over_low::OverLow;
 use super::probe::Draw;
-use super::resample::{Band, Fineness, Sample, Surface, resample};
-use super::source::{BakeAttribute, Low, Source};
+use super::resample::{Fineness, resample};
+use super::source::Source;
 use super::standing::standing;
-use super::surface::{Owners, Tiles};
-use super::texel;
+use super::surface::Tiles;
 use super::visible::{Field, Fields};
+use super::wanted::BakeAttribute;
 use crate::asset::Progress;
 use crate::attribute::ShownOptions;
-use crate::attribute::arithmetic::{V3, dot3, sub3};
-use crate::attribute::surface::SurfacePoint;
 use crate::mesh::Mesh;
 use crate::mesh::bvh::NO_HINT;
 use crate::scene::Scene;
 use crate::{Error, Result};
-use std::ops::Range;
 use std::sync::Arc;
 
 /// How much farther than the largest distance found rays go.
@@ -49,6 +48,8 @@ pub struct PairSettings {
     pub padding: u32,
     /// Of attributes that are computed.
     pub shown: ShownOptions,
+    /// Of attributes that depend on what lies round a point.
+    pub around: AroundOptions,
 }
 
 impl Default for PairSettings {
@@ -63,6 +64,7 @@ impl Default for PairSettings {
             samples: 1,
             padding: 8,
             shown: ShownOptions::default(),
+            around: AroundOptions::default(),
         }
     }
 }
@@ -124,8 +126,12 @@ impl<'a> Pair<'a> {
         let lows = lay(low_scene, settings.layout, settings.size)?;
         let high = High::new(high_scene, None)?;
         meet(high_scene, &high, low_scene, &lows)?;
-        let (mut sources, mut warnings) =
-            Source::all(high_scene, &settings.attributes, &settings.shown, progress)?;
+        let (mut sources, mut warnings) = Source::all(
+            high_scene,
+            &settings.attributes,
+            (&settings.shown, &settings.around),
+            progress,
+        )?;
         if !settings.by_name {
             sources
                 .iter_mut()
@@ -182,6 +188,20 @@ impl<'a> Pair<'a> {
     /// [`Error::Input`] where no texel lies on the mesh, where nothing at all was found, or where no mesh of the reference
     /// has its name; [`Error::Cancelled`].
     pub fn bake(&mut self, mesh: usize, progress: &dyn Progress) -> Result<Baked> {
+        collected(|taker| self.bake_each(mesh, progress, taker))
+    }
+
+    /// Likewise, each texture handed over as soon as it is finished, so that no more memory is taken than two or three of the
+    /// largest need. Faults of the models are told before the first.
+    ///
+    /// # Errors
+    /// As [`Pair::bake`]; those of `finished`, which end the work.
+    pub fn bake_each(
+        &mut self,
+        mesh: usize,
+        progress: &dyn Progress,
+        finished: &mut dyn FnMut(BakedTexture) -> Result<()>,
+    ) -> Result<Baked> {
         if self.settings.by_name {
             self.high = High::new(self.high_scene, Some(&self.lows[mesh].object.name))?;
             for source in &mut self.sources {
@@ -189,7 +209,16 @@ impl<'a> Pair<'a> {
             }
         }
         let reach = self.reach(mesh);
-        self.sources.iter_mut().for_each(|s| s.reach(reach));
+        let around = Around::new(
+            &self.high.tree,
+            self.high.meshes.iter().map(|m| &m.mesh),
+            &self.settings.attributes,
+            &self.settings.around,
+        );
+        let sources = &mut self.sources;
+        sources
+            .iter_mut()
+            .for_each(|s| s.reach(Some(reach), &around));
         let low = &self.lows[mesh];
         let Recovery { misses, .. } = self.settings.recovery;
         let fineness = Fineness {
@@ -204,24 +233,12 @@ impl<'a> Pair<'a> {
                 reach,
                 self.fields[mesh].as_deref(),
             ),
-            tiles: Tiles::new(&low.object, fineness),
+            tiles: Tiles::new(&low.world, fineness),
             gradients: self.sources.iter().any(Source::has_textures),
+            reference: &self.high_scene.name,
         };
-        let baked = resample(&self.sources, &surface, fineness, progress)?;
-        let fault = |reason: &str| {
-            let element = format!("mesh \"{}\"", low.object.name);
-            Err(Error::input(&self.high_scene.name, element, reason))
-        };
-        if baked.filled + baked.empty == 0 {
-            return fault(
-                "its texture coordinates cover no texel: ask for larger textures or another layout",
-            );
-        }
-        if baked.filled == 0 {
-            return fault(
-                "no texel has a point of the reference: are rays long enough, do surfaces face the same way?",
-            );
-        }
+        let over = (&surface as _, &around);
+        let baked = resample(&self.sources, over, fineness, progress, finished)?;
         Ok(Baked {
             low: Some(low.object.clone()),
             ..baked
@@ -282,86 +299,4 @@ pub(crate) fn meet(
         high_scene.name
     );
     Err(Error::input(&low_scene.name, "scene", reason))
-}
-
-/// A surface whose texels are looked for in another.
-struct OverLow<'a> {
-    finder: Finder<'a>,
-    tiles: Tiles,
-    /// Whether textures are sampled, so that the size of a texel counts.
-    gradients: bool,
-}
-
-impl Surface for OverLow<'_> {
-    fn name(&self) -> &str {
-        &self.finder.low.object.name
-    }
-
-    fn band(&self, rows: Range<u32>) -> Box<dyn Band + '_> {
-        Box::new(LowBand {
-            of: self,
-            owners: self.tiles.owners(&self.finder.low.object, &rows),
-            search: self.finder.search(),
-        })
-    }
-
-    fn corners(&self, triangle: u32) -> [V3; 3] {
-        self.finder.high.corners[triangle as usize]
-    }
-}
-
-struct LowBand<'a> {
-    of: &'a OverLow<'a>,
-    owners: Owners,
-    search: Search<'a>,
-}
-
-impl Band for LowBand<'_> {
-    fn sample(&mut self, fine: [u32; 2]) -> Option<Sample<'_>> {
-        let t = self.owners.of(fine)?;
-        let low = self.of.finder.low;
-        let corners = texel::corners(&low.object, t, self.owners.size);
-        let centre = fine.map(|c| f64::from(c) + 0.5);
-        let b = texel::barycentric(&corners, centre)?;
-        let answer = self.search.at(t, b);
-        let point = answer.found.map(|(triangle, at)| {
-            let step = |dx: f64, dy: f64| {
-                let next = texel::barycentric(&corners, [centre[0] + dx, centre[1] + dy])?;
-                let way = sub3(low.point(t, next), low.point(t, b));
-                along(&self.of.corners(triangle), way)
-            };
-            let [dx, dy] = match self.of.gradients {
-                true => [step(1.0, 0.0), step(0.0, 1.0)],
-                false => [None; 2],
-            };
-            SurfacePoint {
-                triangle,
-                b: at,
-                dx,
-                dy,
-                taps: 0,
-            }
-        });
-        Some(Sample {
-            point,
-            missed: answer.missed,
-            low: Some(Low {
-                mesh: &low.world,
-                corners: low.world.triangles[t],
-                b,
-            }),
-        })
-    }
-}
-
-/// How barycentrics of a triangle change along `way`, as far as it runs in the triangle's plane.
-fn along(corners: &[V3; 3], way: V3) -> Option<[f32; 3]> {
-    let (e, f) = (sub3(corners[1], corners[0]), sub3(corners[2], corners[0]));
-    let (ee, ef, ff) = (dot3(e, e), dot3(e, f), dot3(f, f));
-    let (we, wf) = (dot3(way, e), dot3(way, f));
-    let area = ee * ff - ef * ef;
-    (area > 0.0).then(|| {
-        let (v, w) = ((we * ff - wf * ef) / area, (wf * ee - we * ef) / area);
-        [-v - w, v, w]
-    })
 }

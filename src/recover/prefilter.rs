@@ -12,9 +12,9 @@
 //! address -> T3 -> lookup -> surface -> levels -> sampled as a shader would -> distance to the surface -> fourth channel
 //! ```
 
+use super::coding::code;
 use super::low::{ROWS, UPRIGHT};
 use super::prefilter_apart::halved;
-use super::resample::code;
 use super::{address, fill};
 use crate::asset::{Built, BuiltMesh, Progress};
 use crate::attribute::prefiltered::{CODES_A_STEP, Role, levels, texels};

@@ -1,15 +1,18 @@
-//! The walk over texels: what each sample stands for, what is fetched there, means, borders, codes.
+//! The walk over texels: what each sample stands for, what is fetched there, means, borders.
 //!
-//! In: a [`Surface`], made-ready [`Source`]s. Out: [`Baked`]. Texels are worked on in bands of rows, all cores at once; the
-//! same settings give the same texels on any number of them.
+//! In: a [`Surface`], made-ready [`Source`]s. Out: [`Baked`], and each texture as soon as it is finished. Texels are worked on
+//! in bands of rows, all cores at once; the same settings give the same texels on any number of them.
+//!
+//! Memory is bounded whatever is asked for: as many textures are made in one walk as [`ROOM`] has room for, at least one, and
+//! another walk makes the next ones. At 8192 x 8192 texels a texture takes 1 GiB while it is made.
 
-use super::fill;
+use super::around::{Around, Looking};
+use super::fill::{Grown, growth};
 use super::source::{Low, Source};
 use crate::asset::Progress;
-use crate::attribute::arithmetic::{srgb_encode, unit_encode};
 use crate::attribute::surface::SurfacePoint;
 use crate::recover::{Baked, BakedTexture};
-use crate::render::{THRESHOLDS_AT, constants};
+use crate::render::constants;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -18,6 +21,8 @@ use std::ops::Range;
 pub(super) const BAND: u32 = 16;
 /// The largest texture's side.
 const MOST: u32 = 8192;
+/// Bytes of values that are made in one walk, unless one texture takes more.
+const ROOM: usize = 1 << 30;
 
 /// A surface that textures are made for, and the way from it to the reference.
 pub(super) trait Surface: Sync {
@@ -27,7 +32,15 @@ pub(super) trait Surface: Sync {
     fn band(&self, rows: Range<u32>) -> Box<dyn Band + '_>;
     /// The corners of a triangle of the reference.
     fn corners(&self, triangle: u32) -> [[f32; 3]; 3];
+    /// Refuses a texture of which so many texels have a point, and so many on the surface have none.
+    fn check(&self, filled: u64, empty: u64) -> Result<()> {
+        let _ = (filled, empty);
+        Ok(())
+    }
 }
+
+/// Who takes textures as they are finished.
+pub(super) type Taker<'a> = &'a mut dyn FnMut(BakedTexture) -> Result<()>;
 
 /// Samples of a band.
 pub(super) trait Band {
@@ -97,48 +110,63 @@ pub(super) mod shade {
     pub(crate) const GROWN: u8 = 128;
 }
 
-/// Texels of a band: for each source the values, and what is known of each texel.
+/// Gives the textures of `sources` over `surface` to `finished`, in their order.
+///
+/// # Errors
+/// [`Error::Cancelled`]; those of [`Surface::check`], before any texture is finished; those of `finished`.
+pub(super) fn resample(
+    sources: &[Source],
+    (surface, around): (&dyn Surface, &Around),
+    fineness: Fineness,
+    progress: &dyn Progress,
+    finished: Taker,
+) -> Result<Baked> {
+    let constants = constants();
+    let texels = fineness.size as usize * fineness.size as usize;
+    let at_once = (ROOM / (texels * size_of::<[f32; 4]>())).max(1);
+    let mut baked = Baked::default();
+    for sources in sources.chunks(at_once) {
+        let walk = Walk {
+            sources,
+            surface,
+            around,
+            fineness,
+            decode: &constants[..256],
+            places: sources.iter().any(Source::asks_for_places),
+        };
+        let made = walk.all(progress)?;
+        made.count(&mut baked);
+        surface.check(baked.filled, baked.empty)?;
+        let grown = made.grown(fineness);
+        baked.mask = made.mask(&grown);
+        for (source, values) in sources.iter().zip(made.values) {
+            finished(BakedTexture {
+                attribute: source.attribute.clone(),
+                values: closed(source, values, (&made.state, &grown), fineness),
+                coding: source.coding,
+            })?;
+        }
+    }
+    Ok(baked)
+}
+
+/// Texels on their way: of each source the values, and what is known of each texel.
 struct Texels {
-    values: Vec<Vec<Option<[f32; 4]>>>,
+    values: Vec<Vec<[f32; 4]>>,
     state: Vec<u8>,
 }
 
-/// The textures of `sources` over `surface`.
-///
-/// # Errors
-/// [`Error::Cancelled`].
-pub(super) fn resample(
-    sources: &[Source],
-    surface: &dyn Surface,
-    fineness: Fineness,
-    progress: &dyn Progress,
-) -> Result<Baked> {
-    let constants = constants();
-    let walk = Walk {
-        sources,
-        surface,
-        fineness,
-        decode: &constants[..256],
-        places: sources.iter().any(Source::asks_for_places),
-    };
-    let count = fineness.size.div_ceil(BAND);
-    let mut bands: Vec<Texels> = Vec::with_capacity(count as usize);
-    // Sixteen bands at a time, so that a bar moves and a caller can stop.
-    for begin in (0..count).step_by(16) {
-        if progress.cancelled() {
-            return Err(Error::Cancelled);
-        }
-        progress.at("resample", surface.name(), begin as usize, count as usize);
-        let some = (begin..(begin + 16).min(count)).into_par_iter();
-        bands.par_extend(some.map(|band| walk.band(band)));
-    }
-    let thresholds = &constants[THRESHOLDS_AT..THRESHOLDS_AT + 256];
-    Ok(joined(sources, bands, fineness, thresholds))
+/// Those of a band.
+struct BandOfTexels<'a> {
+    number: u32,
+    values: Vec<&'a mut [[f32; 4]]>,
+    state: &'a mut [u8],
 }
 
 struct Walk<'a> {
     sources: &'a [Source],
     surface: &'a dyn Surface,
+    around: &'a Around<'a>,
     fineness: Fineness,
     decode: &'a [f32],
     /// Whether any source asks where points lie.
@@ -146,33 +174,62 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// One band of texels.
-    fn band(&self, band: u32) -> Texels {
-        let Fineness { size, .. } = self.fineness;
-        let rows = band * BAND..((band + 1) * BAND).min(size);
-        let texels = rows.len() * size as usize;
+    /// All texels.
+    fn all(&self, progress: &dyn Progress) -> Result<Texels> {
+        let size = self.fineness.size as usize;
         let mut out = Texels {
-            values: vec![vec![None; texels]; self.sources.len()],
-            state: vec![state::OFF; texels],
+            values: vec![vec![[0.0; 4]; size * size]; self.sources.len()],
+            state: vec![state::OFF; size * size],
         };
+        let rows = BAND as usize * size;
+        let mut values: Vec<_> = out.values.iter_mut().map(|v| v.chunks_mut(rows)).collect();
+        let band = |(number, state)| BandOfTexels {
+            number: number as u32,
+            values: values.iter_mut().filter_map(Iterator::next).collect(),
+            state,
+        };
+        let mut bands: Vec<_> = out.state.chunks_mut(rows).enumerate().map(band).collect();
+        let count = bands.len();
+        // Sixteen bands at a time, so that a bar moves and a caller can stop.
+        for some in bands.chunks_mut(16) {
+            if progress.cancelled() {
+                return Err(Error::Cancelled);
+            }
+            let done = some[0].number as usize;
+            progress.at("resample", self.surface.name(), done, count);
+            some.par_iter_mut().for_each(|band| self.band(band));
+        }
+        Ok(out)
+    }
+
+    /// One band of texels.
+    fn band(&self, out: &mut BandOfTexels) {
+        let Fineness { size, .. } = self.fineness;
+        let rows = out.number * BAND..((out.number + 1) * BAND).min(size);
         let mut samples = self.surface.band(rows.clone());
+        let mut looking = self.around.looking();
         let mut sums = vec![[0.0; 4]; self.sources.len()];
-        for k in 0..texels as u32 {
+        for k in 0..out.state.len() as u32 {
             let at = [k % size, rows.start + k / size];
             sums.fill([0.0; 4]);
-            let (found, state) = self.texel(samples.as_mut(), at, &mut sums);
+            let (found, state) = self.texel(samples.as_mut(), &mut looking, at, &mut sums);
             out.state[k as usize] = state;
             if found > 0 {
                 for ((source, sum), values) in self.sources.iter().zip(&sums).zip(&mut out.values) {
-                    values[k as usize] = Some(source.mean(*sum, found as f32));
+                    values[k as usize] = source.mean(*sum, found as f32);
                 }
             }
         }
-        out
     }
 
     /// Adds up the samples of a texel: how many have a point, and what is known of it.
-    fn texel(&self, band: &mut dyn Band, at: [u32; 2], sums: &mut [[f32; 4]]) -> (u32, u8) {
+    fn texel(
+        &self,
+        band: &mut dyn Band,
+        looking: &mut Looking,
+        at: [u32; 2],
+        sums: &mut [[f32; 4]],
+    ) -> (u32, u8) {
         let samples = self.fineness.samples;
         let (mut on, mut found, mut missed) = (0, 0, 0);
         for s in 0..samples * samples {
@@ -189,7 +246,8 @@ impl Walk<'_> {
                 false => [[0.0; 3]; 3],
             };
             for (source, sum) in self.sources.iter().zip(sums.iter_mut()) {
-                let value = source.at(self.decode, &corners, point, sample.low.as_ref());
+                let low = sample.low.as_ref();
+                let value = source.at(self.decode, &corners, point, low, looking);
                 (0..4).for_each(|i| sum[i] += value[i]);
             }
         }
@@ -204,85 +262,62 @@ impl Walk<'_> {
     }
 }
 
-/// Bands joined, borders grown, what is left filled with the mean.
-fn joined(
-    sources: &[Source],
-    mut bands: Vec<Texels>,
-    fineness: Fineness,
-    thresholds: &[f32],
-) -> Baked {
-    let states: Vec<&[u8]> = bands.iter().map(|b| b.state.as_slice()).collect();
-    let state = states.concat();
-    let count = |wanted: u8| state.iter().filter(|&&s| s == wanted).count() as u64;
-    let mut mask = Vec::new();
-    let mut textures = Vec::new();
-    for (k, source) in sources.iter().enumerate() {
-        let own = bands.iter_mut().map(|b| std::mem::take(&mut b.values[k]));
-        let known = own.collect::<Vec<_>>().concat();
-        let rounds = fineness.padding;
-        let grown = if fineness.fill {
-            fill::spread(known, fineness.size, rounds)
-        } else {
-            let closed = |at: usize| state[at] == state::EMPTY;
-            fill::spread_but(known, fineness.size, rounds, &closed)
+impl Texels {
+    /// Tells how many texels are what.
+    fn count(&self, baked: &mut Baked) {
+        let count = |wanted: u8| self.state.iter().filter(|&&s| s == wanted).count() as u64;
+        let [empty, replaced, found] = [state::EMPTY, state::REPLACED, state::FOUND].map(count);
+        baked.filled = found + replaced;
+        baked.missed = empty + replaced;
+        baked.empty = empty;
+    }
+
+    /// How values spread over borders.
+    fn grown(&self, fineness: Fineness) -> Vec<Grown> {
+        let known: Vec<bool> = self.state.iter().map(|&s| s >= state::REPLACED).collect();
+        let closed = |at: usize| !fineness.fill && self.state[at] == state::EMPTY;
+        growth(known, fineness.size, fineness.padding, &closed)
+    }
+
+    fn mask(&self, grown: &[Grown]) -> Vec<u8> {
+        let shade = |s: &u8| match *s {
+            state::FOUND => shade::FOUND,
+            state::REPLACED => shade::REPLACED,
+            _ => 0,
         };
-        if mask.is_empty() {
-            let shade = |(s, v): (&u8, &Option<_>)| match (*s, v) {
-                (state::FOUND, _) => shade::FOUND,
-                (state::REPLACED, _) => shade::REPLACED,
-                (_, Some(_)) => shade::GROWN,
-                _ => 0,
-            };
-            mask = state.iter().zip(&grown).map(shade).collect();
-        }
-        let mean = source.absent(mean(&grown));
-        let values: Vec<[f32; 4]> = grown
-            .into_par_iter()
-            .enumerate()
-            .map(|(at, value)| value.unwrap_or_else(|| absent(mean, &state, at, fineness)))
-            .collect();
-        let coded = values.par_iter().map(|v| encoded(source, *v, thresholds));
-        textures.push(BakedTexture {
-            attribute: source.attribute.clone(),
-            rgba8: coded.collect::<Vec<[u8; 4]>>().into_flattened(),
-            values,
-        });
-    }
-    Baked {
-        low: None,
-        textures,
-        mask,
-        filled: count(state::FOUND) + count(state::REPLACED),
-        missed: count(state::EMPTY) + count(state::REPLACED),
-        empty: count(state::EMPTY),
+        let mut mask: Vec<u8> = self.state.iter().map(shade).collect();
+        grown
+            .iter()
+            .for_each(|g| mask[g.at as usize] = shade::GROWN);
+        mask
     }
 }
 
-/// What a texel without a value gets: the mean; transparent where one was to be and none may stand in.
-fn absent(mean: [f32; 4], state: &[u8], at: usize, fineness: Fineness) -> [f32; 4] {
-    let [x, y, z, w] = mean;
-    let blank = !fineness.fill && state[at] == state::EMPTY;
-    [x, y, z, if blank { 0.0 } else { w }]
-}
-
-fn encoded(source: &Source, value: [f32; 4], thresholds: &[f32]) -> [u8; 4] {
-    let [r, g, b, a] = source.coded(value);
-    let [r, g, b] = [r, g, b].map(|c| code(c, source.is_color(), thresholds));
-    [r, g, b, unit_encode(a) as u8]
-}
-
-/// A channel in 8 bits: light as sRGB, or what it is.
-pub(super) fn code(value: f32, is_color: bool, thresholds: &[f32]) -> u8 {
-    match is_color {
-        true => srgb_encode(thresholds, value) as u8,
-        false => unit_encode(value) as u8,
+/// A texture with its borders grown, the mean where nothing is known; transparent where a value was to be and none may stand
+/// in.
+fn closed(
+    source: &Source,
+    mut values: Vec<[f32; 4]>,
+    (state, grown): (&[u8], &[Grown]),
+    fineness: Fineness,
+) -> Vec<[f32; 4]> {
+    let mut known: Vec<bool> = state.iter().map(|&s| s >= state::REPLACED).collect();
+    for g in grown {
+        values[g.at as usize] = values[g.from as usize];
+        known[g.at as usize] = true;
     }
+    let [x, y, z, w] = source.absent(mean(&values, &known));
+    for (at, value) in values.iter_mut().enumerate().filter(|(at, _)| !known[*at]) {
+        let blank = !fineness.fill && state[at] == state::EMPTY;
+        *value = [x, y, z, if blank { 0.0 } else { w }];
+    }
+    values
 }
 
 /// The mean of what is known; 0 where nothing is.
-fn mean(values: &[Option<[f32; 4]>]) -> [f32; 4] {
+fn mean(values: &[[f32; 4]], known: &[bool]) -> [f32; 4] {
     let (mut sum, mut count) = ([0.0f64; 4], 0u32);
-    for value in values.iter().flatten() {
+    for (value, _) in values.iter().zip(known).filter(|(_, known)| **known) {
         (0..4).for_each(|k| sum[k] += f64::from(value[k]));
         count += 1;
     }

@@ -142,7 +142,11 @@ fn textures(built: &Built) -> Done<Vec<RgbaImage>> {
         let image = image.ok_or("a texture of another size")?;
         Ok(imageops::thumbnail(&image, WIDTH, WIDTH))
     };
-    baked.textures.into_iter().map(|t| small(t.rgba8)).collect()
+    baked
+        .textures
+        .into_iter()
+        .map(|t| small(t.rgba8()))
+        .collect()
 }
 
 /// Pictures side by side on light grey.
