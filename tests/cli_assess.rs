@@ -108,7 +108,11 @@ fn surroundings_are_baked_in_sixteen_bits() {
     let out = folder.at("deep");
     let attributes = "curvature,thickness,shadow,shading,bent-normal,mapping";
     let more = ["--attributes", attributes, "--bits", "16", "--rays", "8"];
-    let more = [&more[..], &["--format", "exr16", "--light", "0,0,1"]].concat();
+    let more = [
+        &more[..],
+        &["--format", "exr16", "--light", "0,0,1", "--padding", "0"],
+    ]
+    .concat();
     let json = bake(&high, &low, &out, &more).ok().json();
     assert_eq!(json["textures"].as_array().unwrap().len(), 12);
     let open = |name: &str| image::open(format!("{out}/ball_{name}.png")).unwrap();
