@@ -40,7 +40,12 @@ pub(crate) fn bare(name: &str, positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]
 
 /// A ball with dents, so that nothing about it is regular.
 pub(crate) fn dented() -> Mesh {
-    let mut mesh = shapes::icosphere(4);
+    dented_ball(4)
+}
+
+/// The same of an icosahedron divided so many times.
+pub(crate) fn dented_ball(times: u32) -> Mesh {
+    let mut mesh = shapes::icosphere(times);
     for p in &mut mesh.positions {
         let dent =
             1.0 + 0.3 * (5.0 * p[0]).sin() * (4.0 * p[1] + 1.0).cos() + 0.1 * (9.0 * p[2]).sin();
