@@ -41,7 +41,7 @@ pub(super) struct Showing {
 }
 
 /// How attributes that have to be computed are.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub(super) struct Computed {
     /// Rays of each vertex for the attribute occlusion. Default: 128.
     #[arg(long, value_name = "N", help_heading = "Attribute")]

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::attribute::Computed;
 use super::bake_around::Surroundings;
+use super::bake_batch as batch;
 use super::bake_files::{Files, Finished, Target, stems};
 use super::bake_preview::preview;
 use super::bake_report::Report;
@@ -12,11 +13,9 @@ use super::device::Device;
 use super::progress::Bar;
 use super::recovery::{Recovering, renderer, scene};
 use super::view::Size;
-use super::{Common, bad_option, mesh_named, note, print};
+use super::{Common, mesh_named, note, print};
 use invertex::asset::{Built, Model};
-use invertex::recover::{
-    BakeAttribute, BakeSettings, Baker, Mapping, Misses, Over, Pair, PairSettings,
-};
+use invertex::recover::{Baker, Pair};
 use invertex::{Error, Result};
 
 /// Resample attributes of a reference into textures of a simpler surface.
@@ -24,7 +23,7 @@ use invertex::{Error, Result};
 /// With two models, LOW's textures take for each texel a point of HIGH that `--map` chooses; the models need share nothing but
 /// the space they stand in. With one, a file that `build` made, the mapping uv-match takes each texel's point of the LoD through
 /// the inverse texture to the reference. Either way the surface comes with its textures, as baked.glb.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 #[command(after_help = "\
 Mappings between two models: proximity (the closest point), normal (the first along the normal, outwards before inwards),
 visibility-face, visibility-vertex, visibility-texel (along the mean direction that LOW is seen from), hybrid-vertex,
@@ -38,12 +37,21 @@ material, part, _NAME, wood, ... and products of them. From what lies round a po
 sky, tangent space), object-bent-normal, curvature (mean, 1 / unit; PNG: half is flat, lighter bulges), thickness (the mean way
 through the body; PNG: white where it is as far as --ray-reach), shadow (1 where --light reaches), shading (the cosine to it).
 
+Texture coordinates in several unit squares are tiles (UDIM): MESH_ATTRIBUTE.1001.png, .1002.png, ...; of a triangle that reaches
+out of its own the model is refused.
+
+Many pairs: HIGH as a folder bakes every NAME_low.glb in it with NAME_high.glb (also _lp, _hp, .gltf; NAME_cage.glb is its cage) to
+OUT/NAME; HIGH as a manifest, {\"jobs\": [{\"high\", \"low\", \"output\"?, \"cage\"?, \"map\"?, \"attributes\"?: [..], \"size\"?,
+\"by_name\"?}]} with files relative to it, bakes each job to OUT/output, options given here holding where it says nothing. A job that
+fails is told and the others are done; the exit code is then the first one's.
+
 Files in OUT: MESH_ATTRIBUTE.png, MESH_mask.png (white: a point of the reference; light grey: the closest one, for a ray that
 missed; grey: a neighbour's value; black: the mean), baked.glb.
 
 JSON: mapping, low, over, size, samples, padding, filled_fraction (texels with a point of the reference, of all texels),
 missed_fraction (texels on the surface whose point was not found, of those on it), meshes[]: name, triangles,
-filled_fraction, missed_fraction; textures[]: mesh, attribute, path, sha256; files[]; ms{}; warnings[].
+tile?, filled_fraction, missed_fraction; textures[]: mesh, attribute, path, sha256; files[]; ms{}; warnings[]. Of many pairs: jobs[]: name and
+all that, or error.
 
 Examples:
   invertex bake statue.glb statue_low.glb -o textures/ --map hybrid-vertex --attributes normal,color --size 2048 --preview
@@ -52,66 +60,73 @@ Examples:
   invertex bake built.glb -o textures/ --attributes occlusion,_HEAT:0..100 --format exr
   invertex bake built.glb -o wood/ --lod 3 --attributes 'wood*occlusion' --samples 4
   invertex bake scan.glb low.glb -o textures/ --attributes bent-normal,curvature,thickness --bits 16
+  invertex bake car_high.glb car_low.glb -o textures/ --attributes normal --by-name --cage car_cage.glb
+  invertex bake models/ -o textures/ --attributes normal,occlusion --size 2048
   invertex bake built.glb -o square/ --over primary --attributes color,object-normal,position")]
 pub(super) struct Bake {
-    /// The model whose detail is wanted; alone, a file that `build` made.
-    high: PathBuf,
+    /// The model whose detail is wanted; alone, a file that `build` made; or many pairs: a folder or a manifest (.json).
+    pub(super) high: PathBuf,
     /// The model to bake for.
-    low: Option<PathBuf>,
+    pub(super) low: Option<PathBuf>,
     /// The folder for all files.
     #[arg(short, long, value_name = "OUT")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     /// Which point of the reference a texel stands for. Default: normal for two models, uv-match for a built file.
     #[arg(long, value_name = "MAPPING")]
-    map: Option<String>,
+    pub(super) map: Option<String>,
     /// What textures of a built file are laid out over: a LoD, or the primary parameterization's square of addresses, for all
     /// LoDs. Default: lod.
     #[arg(long, value_enum)]
-    over: Option<Layout>,
+    pub(super) over: Option<Layout>,
     /// The level of detail of a built file; 0 is the reference's own geometry. Default: 1.
     #[arg(long, value_name = "N")]
-    lod: Option<usize>,
+    pub(super) lod: Option<usize>,
     /// What is baked, one texture for each.
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', required = true)]
-    attributes: Vec<String>,
+    pub(super) attributes: Vec<String>,
     /// Texels along each side.
     #[arg(long, value_name = "N", default_value = "1024")]
-    size: Size,
+    pub(super) size: Size,
     /// Samples along each side of a texel. Default: 2 for a built file, 1 for two models.
     #[arg(long, value_name = "N")]
-    samples: Option<u32>,
+    pub(super) samples: Option<u32>,
     /// Texels that borders grow by.
     #[arg(long, value_name = "N", default_value_t = 8)]
-    padding: u32,
+    pub(super) padding: u32,
     /// PNG, or also linear floats.
     #[arg(long, value_enum, default_value_t = Format::Png)]
-    format: Format,
+    pub(super) format: Format,
     /// Bits of a channel of PNG; textures within baked.glb have 8.
     #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(["8", "16"]), default_value = "8")]
-    bits: String,
+    pub(super) bits: String,
     /// Bake this mesh alone.
     #[arg(long, value_name = "NAME")]
-    mesh: Option<String>,
+    pub(super) mesh: Option<String>,
     /// What texels get whose ray met nothing. Default: proximity.
     #[arg(long, value_enum, help_heading = "Two models")]
-    misses: Option<Missed>,
+    pub(super) misses: Option<Missed>,
     /// Also write preview.png: HIGH, LOW, LOW with its textures, and how that differs from HIGH.
     #[arg(long, help_heading = "Two models")]
-    preview: bool,
-    /// Take a mesh's detail from meshes of the same name only.
+    pub(super) preview: bool,
+    /// Take a mesh's detail from meshes of the same name only; of wheel_low also from wheel_high, wheel_high_bolts, wheel_hp.001
+    /// and wheel.
     #[arg(long, help_heading = "Two models")]
-    by_name: bool,
+    pub(super) by_name: bool,
+    /// For --map cage (which it implies) and auto: LOW with its vertices moved outwards, triangles in LOW's order. Rays run from
+    /// it to LOW and on, as far as --reach. Without it the cage lies --reach outside of LOW.
+    #[arg(long, value_name = "FILE", help_heading = "Two models")]
+    pub(super) cage: Option<PathBuf>,
     #[command(flatten)]
-    recovering: Recovering,
+    pub(super) recovering: Recovering,
     #[command(flatten)]
-    computed: Computed,
+    pub(super) computed: Computed,
     #[command(flatten)]
-    surroundings: Surroundings,
+    pub(super) surroundings: Surroundings,
 }
 
 /// What stands in for a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Missed {
+pub(super) enum Missed {
     /// Nothing: the texel is transparent.
     Blank,
     /// The closest point.
@@ -121,7 +136,7 @@ enum Missed {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Layout {
+pub(super) enum Layout {
     /// A LoD, cut along an atlas of its own (over a uv primary: the artist's).
     Lod,
     /// The primary parameterization.
@@ -129,7 +144,7 @@ enum Layout {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Format {
+pub(super) enum Format {
     /// Colours as sRGB, data as it is, directions from -1..1.
     Png,
     /// Those, and linear floats of 32 bits beside them.
@@ -146,13 +161,21 @@ struct Stages {
 
 impl Bake {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
-        match &self.low {
-            None => self.run_built(common),
-            Some(low) => self.run_pair(common, low),
+        match batch::jobs(self)? {
+            Some(jobs) => batch::run(self, &jobs, common),
+            None => self.bake(common)?.print(common),
         }
     }
 
-    fn run_built(&self, common: &Common) -> Result<()> {
+    /// Bakes one pair, or one built file.
+    pub(super) fn bake(&self, common: &Common) -> Result<Report> {
+        match &self.low {
+            None => self.bake_built(common),
+            Some(low) => self.bake_pair(common, low),
+        }
+    }
+
+    fn bake_built(&self, common: &Common) -> Result<Report> {
         let settings = self.settings()?;
         let Model::Built(built) = Model::load(&self.high)? else {
             let reason = "this model has no inverse textures; run `invertex build` first, or name a second model to bake for";
@@ -175,6 +198,7 @@ impl Bake {
             let target = Target {
                 name: name(k).to_owned(),
                 stem: stems[k].clone(),
+                tile: None,
                 places: own.map(|i| i.world.as_mat4().to_cols_array_2d()).collect(),
             };
             all.push(files.bake(target, &mut report, |taker| {
@@ -186,33 +210,29 @@ impl Bake {
         self.finish(common, &all, report, &stages, &|_| Ok(None))
     }
 
-    fn run_pair(&self, common: &Common, low: &std::path::Path) -> Result<()> {
+    fn bake_pair(&self, common: &Common, low: &std::path::Path) -> Result<Report> {
         let settings = self.pair_settings()?;
         let (high_scene, low_scene) = (scene(&self.high)?, scene(low)?);
+        let cage = self.cage.as_deref().map(scene).transpose()?;
         let device = Device::open(common)?;
         let heard = Bar::new(common, 1);
         let start = Instant::now();
         let draw = |picture| renderer(&device, picture);
-        let mut pair = Pair::new(&high_scene, &low_scene, &settings, &draw, &heard)?;
+        let models = (&high_scene, &low_scene, cage.as_ref());
+        let mut pair = Pair::in_cage(models, &settings, &draw, &heard)?;
         let prepared = start.elapsed();
-        let names: Vec<String> = (0..pair.count()).map(|k| pair.name(k).to_owned()).collect();
-        let stems = stems(names.iter().map(String::as_str).enumerate());
-        let chosen = match &self.mesh {
-            None => (0..names.len()).collect(),
-            Some(name) => vec![mesh_named(
-                &low_scene.name,
-                names.iter().map(String::as_str),
-                name,
-            )?],
-        };
+        let name = |k: usize| (pair.number(k), pair.name(k));
+        let stems = stems((0..pair.count()).map(name));
+        let chosen = self.surfaces(&low_scene.name, &pair)?;
         let models = [&self.high, &low.to_path_buf()].map(|f| f.display().to_string());
         let mut report = Report::of_pair(models, &device.name(), &settings);
         report.warnings = pair.warnings.clone();
         let (files, mut all) = (self.files(), Vec::new());
         for k in chosen {
             let target = Target {
-                name: names[k].clone(),
+                name: pair.name(k).to_owned(),
                 stem: stems[k].clone(),
+                tile: pair.tile(k),
                 places: vec![pair.place(k)],
             };
             all.push(files.bake(target, &mut report, |taker| {
@@ -225,9 +245,9 @@ impl Bake {
             true => preview(&device, &high_scene, &low_scene, baked).map(Some),
             false => Ok(None),
         };
-        self.finish(common, &all, report, &stages, &picture)?;
+        let report = self.finish(common, &all, report, &stages, &picture)?;
         device.check();
-        Ok(())
+        Ok(report)
     }
 
     /// Where files go.
@@ -253,7 +273,7 @@ impl Bake {
         mut report: Report,
         stages: &Stages,
         picture: &dyn Fn(&[u8]) -> Result<Option<Vec<u8>>>,
-    ) -> Result<()> {
+    ) -> Result<Report> {
         let resampled = stages.start.elapsed() - stages.prepared - report.writing;
         if self.over != Some(Layout::Primary) {
             let glb = self.files().write_glb(all, &mut report)?;
@@ -272,82 +292,17 @@ impl Bake {
             .warnings
             .iter()
             .for_each(|warning| note(common, warning));
-        report.print(common)
+        Ok(report)
     }
 
-    /// The mapping that was asked for.
-    fn mapping(&self, usual: Mapping) -> Result<Mapping> {
-        self.map.as_ref().map_or(Ok(usual), |text| text.parse())
-    }
-
-    /// What every bake has to know.
-    fn common_settings(&self) -> Result<(u32, Vec<BakeAttribute>)> {
-        let Size(width, height) = self.size;
-        if width != height {
-            let reason = "baked textures are square: give one number";
-            return Err(bad_option("--size", reason));
-        }
-        let attributes = self.attributes.iter().map(|text| text.parse());
-        Ok((width, attributes.collect::<Result<_>>()?))
-    }
-
-    /// What is asked for of a built file, as far as it can be told without the model.
-    fn settings(&self) -> Result<BakeSettings> {
-        if self.over == Some(Layout::Primary) && self.lod.is_some() {
-            let reason = "says nothing about --over primary, whose texture serves all levels";
-            return Err(bad_option("--lod", reason));
-        }
-        if self.recovering.is_given() || self.misses.is_some() || self.by_name || self.preview {
-            let reason = "a second model to bake for is missing: options of detail recovery say nothing about a built file";
-            return Err(bad_option("LOW", reason));
-        }
-        let (size, attributes) = self.common_settings()?;
-        Ok(BakeSettings {
-            mapping: self.mapping(Mapping::UvMatch)?,
-            over: match self.over {
-                None | Some(Layout::Lod) => Over::Lod(self.lod.unwrap_or(1)),
-                Some(Layout::Primary) => Over::Primary,
-            },
-            attributes,
-            size,
-            samples: self.samples.unwrap_or(2),
-            padding: self.padding,
-            shown: self.computed.options()?,
-            around: self.surroundings.options()?,
-        })
-    }
-
-    /// What is asked for of two models.
-    fn pair_settings(&self) -> Result<PairSettings> {
-        if self.over.is_some() || self.lod.is_some() {
-            let option = if self.lod.is_some() {
-                "--lod"
-            } else {
-                "--over"
-            };
-            return Err(bad_option(
-                option,
-                "says nothing about a second model: it is of built files",
-            ));
-        }
-        let (size, attributes) = self.common_settings()?;
-        let misses = match self.misses {
-            None | Some(Missed::Proximity) => Misses::Proximity,
-            Some(Missed::Blank) => Misses::Blank,
-            Some(Missed::Fill) => Misses::Fill,
+    /// The surfaces of LOW that are baked.
+    fn surfaces(&self, file: &str, pair: &Pair) -> Result<Vec<usize>> {
+        let all = 0..pair.count();
+        let Some(name) = &self.mesh else {
+            return Ok(all.collect());
         };
-        Ok(PairSettings {
-            mapping: self.mapping(Mapping::Normal)?,
-            recovery: self.recovering.settings(misses)?,
-            layout: self.recovering.layout(),
-            by_name: self.by_name,
-            attributes,
-            size,
-            samples: self.samples.unwrap_or(1),
-            padding: self.padding,
-            shown: self.computed.options()?,
-            around: self.surroundings.options()?,
-        })
+        mesh_named(file, all.clone().map(|k| pair.name(k)), name)?;
+        Ok(all.filter(|&k| pair.name(k) == name).collect())
     }
 
     /// The built meshes that are baked.

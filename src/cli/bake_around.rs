@@ -6,7 +6,7 @@ use invertex::recover::AroundOptions;
 use super::bad_option;
 
 /// How surroundings are looked at.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 #[command(next_help_heading = "Attribute")]
 pub(super) struct Surroundings {
     /// Rays of each sample for bent-normal and thickness. Default: 64.

@@ -30,6 +30,8 @@ pub(super) struct Target {
     pub(super) name: String,
     /// Begins the names of its files.
     pub(super) stem: String,
+    /// The UDIM number of its tile, where its mesh has several.
+    pub(super) tile: Option<u32>,
     pub(super) places: Vec<[[f32; 4]; 4]>,
 }
 
@@ -42,15 +44,25 @@ pub(super) struct Finished {
     pub(super) textures: Vec<(TexturePlace, Vec<u8>)>,
 }
 
-/// Stems for names, the number appended where two are alike.
+/// Stems for the names of numbered meshes, the number appended where several meshes have one name.
 pub(super) fn stems<'a>(names: impl Iterator<Item = (usize, &'a str)>) -> Vec<String> {
     let all: Vec<(usize, &str)> = names.collect();
-    let alike = |name: &str| all.iter().filter(|(_, other)| *other == name).count();
-    let stem = |(number, name): &(usize, &str)| match alike(name) {
-        1 => plain(name),
-        _ => format!("{}_{number}", plain(name)),
+    let stem = |(number, name): &(usize, &str)| {
+        let other = |(n, other): &(usize, &str)| other == name && n != number;
+        match all.iter().any(other) {
+            false => plain(name),
+            true => format!("{}_{number}", plain(name)),
+        }
     };
     all.iter().map(stem).collect()
+}
+
+impl Target {
+    /// The name of one of its files.
+    fn file(&self, what: &str, ending: &str) -> String {
+        let tile = self.tile.map_or(String::new(), |tile| format!(".{tile}"));
+        format!("{}_{what}{tile}.{ending}", self.stem)
+    }
 }
 
 impl Files {
@@ -79,10 +91,18 @@ impl Files {
             Ok(())
         })?;
         self.write_mask(&target, &baked.mask, report)?;
-        report.mesh(MeshReport::new(&target.name, &baked, self.size));
+        report.mesh(MeshReport::new(
+            (&target.name, target.tile),
+            &baked,
+            self.size,
+        ));
+        let mut low = baked.low;
+        if let (Some(low), Some(tile)) = (&mut low, target.tile) {
+            low.name = format!("{}.{tile}", low.name);
+        }
         Ok(Finished {
             target,
-            low: baked.low,
+            low,
             textures,
         })
     }
@@ -97,9 +117,8 @@ impl Files {
         make_folder(&self.folder)?;
         let side = self.size;
         let attribute = texture.attribute.to_string();
-        let stem = format!("{}_{}", target.stem, plain(&attribute));
         let mut write = |ending: &str, bytes: &[u8]| {
-            let path = self.folder.join(format!("{stem}.{ending}"));
+            let path = self.folder.join(target.file(&plain(&attribute), ending));
             write_bytes(&path, bytes)?;
             let told = TextureReport::new(&target.name, &attribute, &path, bytes);
             report.textures.push(told);
@@ -132,7 +151,7 @@ impl Files {
         let start = Instant::now();
         let shade = |&m: &u8| [m, m, m, 255];
         let mask: Vec<u8> = mask.iter().flat_map(shade).collect();
-        let path = self.folder.join(format!("{}_mask.png", target.stem));
+        let path = self.folder.join(target.file("mask", "png"));
         report.file(&path, &encode_png(self.size, self.size, &mask)?)?;
         report.writing += start.elapsed();
         Ok(())

@@ -51,6 +51,9 @@ fn by_name<S: Serializer>(times: &[(&str, f64)], to: S) -> std::result::Result<S
 #[derive(Serialize)]
 pub(super) struct MeshReport {
     name: String,
+    /// The UDIM number, where the mesh has several tiles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tile: Option<u32>,
     /// Of the LoD.
     triangles: Option<usize>,
     filled_fraction: f64,
@@ -80,7 +83,7 @@ impl TextureReport {
 }
 
 impl MeshReport {
-    pub(super) fn new(name: &str, baked: &Baked, size: u32) -> Self {
+    pub(super) fn new((name, tile): (&str, Option<u32>), baked: &Baked, size: u32) -> Self {
         let counts = [
             baked.filled,
             baked.missed,
@@ -90,6 +93,7 @@ impl MeshReport {
         let (filled_fraction, missed_fraction) = fractions(counts);
         MeshReport {
             name: name.to_owned(),
+            tile,
             triangles: baked.low.as_ref().map(|low| low.triangles.len()),
             filled_fraction,
             missed_fraction,
@@ -184,7 +188,8 @@ impl Report {
         let mut table = Table::new(&["mesh", "filled", "missed"]);
         for mesh in &self.meshes {
             let [filled, missed] = [mesh.filled_fraction, mesh.missed_fraction].map(percent);
-            table.row([mesh.name.clone(), filled, missed]);
+            let tile = mesh.tile.map_or(String::new(), |tile| format!(".{tile}"));
+            table.row([format!("{}{tile}", mesh.name), filled, missed]);
         }
         text += &format!("\n{}", table.text());
         for file in &self.files {

@@ -13,7 +13,7 @@ use super::device::Device;
 use super::drawing::{self, DrawPath};
 
 /// How points of HIGH are looked for.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 #[command(next_help_heading = "Two models")]
 pub(super) struct Recovering {
     /// How far rays go either way, in diagonals of HIGH's box. Default: twice as far as LOW lies from HIGH anywhere.

@@ -223,7 +223,7 @@ impl Walk<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::laid::UvLayout;
+    use super::super::laid::{Laying, UvLayout};
     use super::super::standing::Standing;
     use super::*;
     use crate::mesh::{Mesh, shapes};
@@ -234,7 +234,12 @@ mod tests {
             mesh: mesh.clone(),
             world: glam::DMat4::IDENTITY,
         };
-        Laid::new("test", mesh, &stood, layout, size).unwrap()
+        let laying = Laying {
+            file: "test",
+            layout,
+            size,
+        };
+        Laid::all(&laying, mesh, &stood, &[]).unwrap().remove(0)
     }
 
     /// Distances between neighbours: those in one chart, and those across seams.

@@ -7,7 +7,7 @@ use super::high::High;
 use super::laid::Laid;
 use super::mapping::{Mapping, Misses, Recovery};
 use super::visible::Field;
-use crate::attribute::arithmetic::{V3, add3, dot3, scale3, unit3};
+use crate::attribute::arithmetic::{V3, add3, dot3, scale3, sub3, unit3, weighted};
 use crate::mesh::bvh::{Asking, Found, NO_HINT, Ray, Sides};
 
 /// Finds points of the reference.
@@ -116,7 +116,7 @@ impl Search<'_> {
         let facing = finder.facing.then_some(outward);
         let mut found = match mapping {
             Mapping::Proximity => self.closest(p, facing),
-            Mapping::Cage => self.inwards(p, outward),
+            Mapping::Cage => self.inwards(t, b, p, outward),
             _ => self.both_ways(p, finder.direction(mapping, t, b, outward)),
         };
         if found.is_none() && finder.mapping == Mapping::Auto {
@@ -162,10 +162,17 @@ impl Search<'_> {
             .or_else(|| self.ray(p, scale3(way, -1.0), reach, Sides::Front))
     }
 
-    /// From outside the cage to as far inside.
-    fn inwards(&mut self, p: V3, outward: V3) -> Option<Found> {
-        let reach = self.finder.reach;
-        let begin = add3(p, scale3(outward, reach));
-        self.ray(begin, scale3(outward, -1.0), 2.0 * reach, Sides::Front)
+    /// From the cage to the point and on, as far as rays reach; without a cage from as far outside.
+    fn inwards(&mut self, t: usize, b: [f32; 3], p: V3, outward: V3) -> Option<Found> {
+        let (reach, inward) = (self.finder.reach, scale3(outward, -1.0));
+        let Some(corners) = self.finder.low.cage.get(t) else {
+            let begin = add3(p, scale3(outward, reach));
+            return self.ray(begin, inward, 2.0 * reach, Sides::Front);
+        };
+        let begin = weighted(corners, b);
+        let way = sub3(p, begin);
+        let length = dot3(way, way).sqrt();
+        // Where the cage touches the surface there is no way between them.
+        self.ray(begin, unit3(way, inward), length + reach, Sides::Front)
     }
 }

@@ -1,5 +1,6 @@
 //! The reference of a recovery: all triangles of a scene in the world, and the tree over them.
 
+use super::partner::belongs;
 use super::standing::{Standing, standing};
 use crate::attribute::arithmetic::weighted;
 use crate::mesh::Mesh;
@@ -18,13 +19,13 @@ pub(crate) struct High {
 }
 
 impl High {
-    /// The meshes of `scene` called `name`, or all.
+    /// The meshes of `scene` that belong to one called `name`, or all.
     ///
     /// # Errors
     /// [`Error::Input`] where there is none with a triangle.
     pub(crate) fn new(scene: &Scene, name: Option<&str>) -> Result<High> {
         let mut meshes = standing(scene)?;
-        meshes.retain(|m| name.is_none_or(|name| m.mesh.name == name));
+        meshes.retain(|m| name.is_none_or(|name| belongs(&m.mesh.name, name)));
         let (mut corners, mut first) = (Vec::new(), Vec::new());
         for Standing { mesh, .. } in &meshes {
             first.push(corners.len() as u32);
@@ -34,7 +35,7 @@ impl High {
             let (element, reason) = match name {
                 Some(name) => (
                     format!("mesh \"{name}\""),
-                    "there is no such mesh with a triangle",
+                    "there is no such mesh with a triangle, nor one of that name with _high for _low",
                 ),
                 None => ("scene".to_owned(), "the reference has no triangles"),
             };

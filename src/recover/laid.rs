@@ -1,10 +1,12 @@
 //! The simple surface of a recovery: a mesh with texture coordinates in the unit square, in the world.
 //!
-//! In: a mesh as it stands. Out: [`Laid`], cut along a layout of its own where the mesh brings none.
+//! In: a mesh as it stands. Out: [`Laid`], cut along a layout of its own where the mesh brings none; one for each tile where its
+//! texture coordinates lie in several.
 
 use super::atlas::{self, Atlas};
 use super::low::unwrapped;
 use super::standing::{Standing, placed};
+use super::udim::{self, Tile};
 use crate::attribute::arithmetic::{V3, add3, unit3, weighted};
 use crate::lod::Lod;
 use crate::mesh::{Mesh, Weld, components};
@@ -38,21 +40,38 @@ pub(crate) struct Laid {
     pub(crate) outward: Vec<V3>,
     /// For each triangle its chart.
     pub(crate) chart: Vec<u32>,
+    /// For each triangle its corners on the cage; empty without one.
+    pub(crate) cage: Vec<[V3; 3]>,
+    /// The number of the mesh in its scene.
+    pub(crate) number: usize,
+    /// The UDIM number of its tile, where there are several.
+    pub(crate) tile: Option<u32>,
     /// What was made up on the way.
     pub(crate) warnings: Vec<String>,
 }
 
+/// How a simple model is laid out.
+pub(crate) struct Laying<'a> {
+    /// What messages call it.
+    pub(crate) file: &'a str,
+    pub(crate) layout: UvLayout,
+    /// Texels along a side.
+    pub(crate) size: u32,
+}
+
 impl Laid {
+    /// The surfaces that mesh `rest` is, `cage` the corners of its triangles on the cage.
+    ///
     /// # Errors
     /// [`Error::Input`] for texture coordinates that cannot be used; [`Error::Capacity`] where a layout of our own does not
     /// fit `size` x `size` texels.
-    pub(crate) fn new(
-        file: &str,
+    pub(crate) fn all(
+        laying: &Laying,
         rest: &Mesh,
         stood: &Standing,
-        layout: UvLayout,
-        size: u32,
-    ) -> Result<Laid> {
+        cage: &[[V3; 3]],
+    ) -> Result<Vec<Laid>> {
+        let &Laying { file, layout, size } = laying;
         let mut warnings = Vec::new();
         let has_uv = !rest.uv_sets.is_empty();
         let object = match layout {
@@ -61,7 +80,7 @@ impl Laid {
                 return Err(fault(file, rest, reason));
             }
             UvLayout::Triangles => cut(rest, atlas::triangles, size)?,
-            UvLayout::Auto | UvLayout::Uv0 if has_uv => artists(file, rest, &mut warnings)?,
+            UvLayout::Auto | UvLayout::Uv0 if has_uv => artists(rest),
             _ => {
                 if layout == UvLayout::Auto {
                     let name = &rest.name;
@@ -73,17 +92,35 @@ impl Laid {
             }
         };
         let world = placed(&object, stood.world);
-        let weld = Weld::by_position(&world.positions);
-        let charts = Weld::by_position_and_uv(&world, 0).triangles(&world.triangles);
-        Ok(Laid {
-            chart: components(&charts, world.positions.len()).of,
-            outward: outward(&world, &weld),
-            object,
-            world,
-            place: stood.world,
-            weld,
-            warnings,
-        })
+        // What tiles share is found before they part.
+        let directions = outward(&world, &Weld::by_position(&world.positions));
+        let tiles = udim::tiles(file, &object)?;
+        let several = tiles.len() > 1;
+        let laid = |tile: &Tile| {
+            let (part, of) = udim::cut_out(&object, tile);
+            let mut warnings = std::mem::take(&mut warnings);
+            if !several && tile.at != [0, 0] {
+                let ([u, v], name) = (tile.at, &part.name);
+                warnings.push(format!(
+                    "mesh \"{name}\": texture coordinates are moved from tile {u}, {v} to 0, 0"
+                ));
+            }
+            let world = placed(&part, stood.world);
+            let charts = Weld::by_position_and_uv(&world, 0).triangles(&world.triangles);
+            Laid {
+                chart: components(&charts, world.positions.len()).of,
+                weld: Weld::by_position(&world.positions),
+                outward: udim::picked(&directions, &of),
+                cage: turned(udim::picked(cage, &tile.triangles), stood.world),
+                object: part,
+                world,
+                place: stood.world,
+                number: stood.number,
+                tile: several.then(|| tile.number()),
+                warnings,
+            }
+        };
+        Ok(tiles.iter().map(laid).collect())
     }
 
     /// Numbers of the vertices, weighted.
@@ -122,45 +159,23 @@ fn cut(mesh: &Mesh, layout: fn(&Lod, u32) -> Result<Atlas>, size: u32) -> Result
     Ok(unwrapped(mesh, &lod, &atlas))
 }
 
-/// `mesh` with its own texture coordinates, moved by whole tiles into the unit square, and tangents along them.
-fn artists(file: &str, mesh: &Mesh, warnings: &mut Vec<String>) -> Result<Mesh> {
+/// `mesh` with its own texture coordinates and tangents along them.
+fn artists(mesh: &Mesh) -> Mesh {
     let mut out = mesh.clone();
     out.uv_sets.truncate(1);
-    let used: Vec<[f32; 2]> = mesh
-        .triangles
-        .iter()
-        .flatten()
-        .map(|&v| mesh.uv_sets[0][v as usize])
-        .collect();
-    let mut tile = [0.0f32; 2];
-    for k in 0..2 {
-        let low = used.iter().fold(f32::INFINITY, |m, uv| m.min(uv[k]));
-        let high = used.iter().fold(f32::NEG_INFINITY, |m, uv| m.max(uv[k]));
-        // A coordinate may lie on a tile's border, give or take rounding.
-        tile[k] = (low + 1e-4).floor();
-        if high - tile[k] > 1.0 + 1e-4 {
-            let axis = ["u", "v"][k];
-            let reason = format!(
-                "TEXCOORD_0 reaches from {low} to {high} along {axis}: more than one tile; let `--uv charts` lay it out"
-            );
-            return Err(fault(file, mesh, reason));
-        }
-    }
-    if tile != [0.0; 2] {
-        let [u, v] = tile;
-        let name = &mesh.name;
-        warnings.push(format!(
-            "mesh \"{name}\": texture coordinates are moved from tile {u}, {v} to 0, 0"
-        ));
-        for uv in &mut out.uv_sets[0] {
-            (0..2).for_each(|k| uv[k] -= tile[k]);
-        }
-    }
     if out.tangents.len() != out.positions.len() {
         out.tangents = vec![[0.0; 4]; out.positions.len()];
         out.generate_tangents(&vec![Some(0); out.triangles.len()]);
     }
-    Ok(out)
+    out
+}
+
+/// Corners of a cage in the order of triangles that a placing may have turned round.
+fn turned(mut cage: Vec<[V3; 3]>, world: glam::DMat4) -> Vec<[V3; 3]> {
+    if world.determinant() < 0.0 {
+        cage.iter_mut().for_each(|corners| corners.swap(1, 2));
+    }
+    cage
 }
 
 fn outward(mesh: &Mesh, weld: &Weld) -> Vec<V3> {

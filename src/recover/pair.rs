@@ -4,9 +4,10 @@
 
 use super::around::{Around, AroundOptions};
 use super::bake::{Baked, BakedTexture, collected, numbers_are_whole};
+use super::cage::Cage;
 use super::find::Finder;
 use super::high::High;
-use super::laid::{Laid, UvLayout};
+use super::laid::{Laid, Laying, UvLayout};
 use super::mapping::{Mapping, Misses, Recovery};
 use super::over_low::OverLow;
 use super::probe::Draw;
@@ -36,7 +37,7 @@ pub struct PairSettings {
     pub recovery: Recovery,
     /// Where texture coordinates come from.
     pub layout: UvLayout,
-    /// Whether a mesh takes its detail only from meshes of the same name.
+    /// Whether a mesh takes its detail only from meshes of the same name, `_high` standing for `_low`.
     pub by_name: bool,
     /// One texture for each.
     pub attributes: Vec<BakeAttribute>,
@@ -82,15 +83,32 @@ pub struct Pair<'a> {
     pub warnings: Vec<String>,
 }
 
-/// The surfaces that a scene's meshes are, each where it stands first.
-pub(crate) fn lay(low: &Scene, layout: UvLayout, size: u32) -> Result<Vec<Laid>> {
+/// The surfaces that a scene's meshes are, each where it stands first, in a cage if there is one.
+pub(crate) fn lay(
+    low: &Scene,
+    cage: Option<&Scene>,
+    layout: UvLayout,
+    size: u32,
+) -> Result<Vec<Laid>> {
+    let cage = cage.map(Cage::new).transpose()?;
     let mut taken = vec![false; low.meshes.len()];
+    let mut standing = standing(low)?;
+    standing.retain(|stood| !std::mem::replace(&mut taken[stood.number], true));
+    let laying = Laying {
+        file: &low.name,
+        layout,
+        size,
+    };
     let mut lows = Vec::new();
-    for stood in &standing(low)? {
-        if !std::mem::replace(&mut taken[stood.number], true) {
-            let rest = &low.meshes[stood.number];
-            lows.push(Laid::new(&low.name, rest, stood, layout, size)?);
-        }
+    for (k, stood) in standing.iter().enumerate() {
+        let rest = &low.meshes[stood.number];
+        let around = cage.as_ref().map(|cage| cage.of(rest, (k, standing.len())));
+        lows.extend(Laid::all(
+            &laying,
+            rest,
+            stood,
+            &around.transpose()?.unwrap_or_default(),
+        )?);
     }
     if lows.is_empty() {
         let reason = "the surface to bake for has no triangles";
@@ -113,7 +131,29 @@ impl<'a> Pair<'a> {
         draw: Draw,
         progress: &dyn Progress,
     ) -> Result<Pair<'a>> {
+        Pair::in_cage((high_scene, low_scene, None), settings, draw, progress)
+    }
+
+    /// Likewise, with a scene whose meshes are cages: those of the simple one with their vertices moved outwards, triangles in
+    /// the same order. [`Mapping::Cage`] then looks from the cage to the surface and on, as far as rays reach.
+    ///
+    /// # Errors
+    /// As [`Pair::new`]; [`Error::Option`] for a cage that the mapping does not ask for, [`Error::Input`] for one whose
+    /// triangles are others.
+    pub fn in_cage(
+        (high_scene, low_scene, cage): (&'a Scene, &Scene, Option<&Scene>),
+        settings: &'a PairSettings,
+        draw: Draw,
+        progress: &dyn Progress,
+    ) -> Result<Pair<'a>> {
         fineness(settings).check()?;
+        if cage.is_some() && !matches!(settings.mapping, Mapping::Cage | Mapping::Auto) {
+            let reason = format!("says nothing about the mapping {}", settings.mapping);
+            return Err(Error::Option {
+                option: "--cage",
+                reason,
+            });
+        }
         settings.recovery.check()?;
         numbers_are_whole(&settings.attributes, settings.samples)?;
         if settings.mapping == Mapping::UvMatch {
@@ -123,7 +163,7 @@ impl<'a> Pair<'a> {
                 reason: reason.into(),
             });
         }
-        let lows = lay(low_scene, settings.layout, settings.size)?;
+        let lows = lay(low_scene, cage, settings.layout, settings.size)?;
         let high = High::new(high_scene, None)?;
         meet(high_scene, &high, low_scene, &lows)?;
         let (mut sources, mut warnings) = Source::all(
@@ -156,7 +196,7 @@ impl<'a> Pair<'a> {
         })
     }
 
-    /// Number of meshes to bake for.
+    /// Number of surfaces to bake for: meshes, or tiles of their texture coordinates.
     pub fn count(&self) -> usize {
         self.lows.len()
     }
@@ -164,6 +204,16 @@ impl<'a> Pair<'a> {
     /// The name of a mesh to bake for.
     pub fn name(&self, mesh: usize) -> &str {
         &self.lows[mesh].object.name
+    }
+
+    /// The number in its scene of the mesh that a surface is, or is a tile of.
+    pub fn number(&self, mesh: usize) -> usize {
+        self.lows[mesh].number
+    }
+
+    /// The UDIM number of the tile that a surface is, where its mesh has several.
+    pub fn tile(&self, mesh: usize) -> Option<u32> {
+        self.lows[mesh].tile
     }
 
     /// Where a mesh stands, column-major.

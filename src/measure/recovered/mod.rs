@@ -116,7 +116,7 @@ pub fn assess(
     progress: &dyn Progress,
 ) -> Result<Assessment> {
     check(settings)?;
-    let lows = lay(low_scene, settings.layout, settings.size)?;
+    let lows = lay(low_scene, None, settings.layout, settings.size)?;
     let high = High::new(high_scene, None)?;
     meet(high_scene, &high, low_scene, &lows)?;
     let all: Vec<&Laid> = lows.iter().collect();
