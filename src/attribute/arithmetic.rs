@@ -23,8 +23,10 @@ pub(crate) fn cross3(a: V3, b: V3) -> V3 {
 }
 
 /// `b[0] corners[0] + b[1] corners[1] + b[2] corners[2]`.
-pub(crate) fn weighted(corners: &[V3; 3], b: [f32; 3]) -> V3 {
-    [0, 1, 2].map(|k| b[0] * corners[0][k] + b[1] * corners[1][k] + b[2] * corners[2][k])
+#[inline]
+pub(crate) fn weighted([p, q, r]: &[V3; 3], b: [f32; 3]) -> V3 {
+    let along = |k: usize| b[0] * p[k] + b[1] * q[k] + b[2] * r[k];
+    [along(0), along(1), along(2)]
 }
 
 /// `a + b`.

@@ -25,6 +25,8 @@ use std::sync::Arc;
 pub(crate) const UV_AT: usize = 11;
 /// Gradient of uv where the next pixel's has no meaning: the smallest mip level.
 const STEEP: f32 = 1e6;
+/// The texel of a normal map that tilts nothing.
+const FLAT: [f32; 4] = [0.5, 0.5, 1.0, 1.0];
 
 /// All that can be fetched of the reference meshes of a picture.
 #[derive(Clone, Debug, Default)]
@@ -271,6 +273,13 @@ impl AttributeSet {
         self.textures.sample_along(decode, texture, &at, p.taps)
     }
 
+    /// The normal of [`AttributeSet::surface`] alone.
+    pub(crate) fn shading_normal(&self, decode: &[f32], p: &SurfacePoint, frame: &Frame) -> V3 {
+        let triangle = self.triangles[p.triangle as usize];
+        let bump = self.slot(decode, triangle, 2, p, FLAT);
+        self.normal(triangle[0], bump, p, frame)
+    }
+
     /// Everything the material says at `p`.
     pub(crate) fn surface(&self, decode: &[f32], p: &SurfacePoint, frame: &Frame) -> Surface {
         let triangle = self.triangles[p.triangle as usize];
@@ -283,7 +292,7 @@ impl AttributeSet {
             std::array::from_fn(|i| texel[i] * self.material_float(m + i as u32) * color[i]);
         let orm = self.slot(decode, triangle, 1, p, white);
         let occlusion = self.slot(decode, triangle, 3, p, white)[0];
-        let bump = self.slot(decode, triangle, 2, p, [0.5, 0.5, 1.0, 1.0]);
+        let bump = self.slot(decode, triangle, 2, p, FLAT);
         let emissive = self.slot(decode, triangle, 4, p, white);
         let strength = self.material_float(m + 10);
         let factor = [0, 1, 2].map(|i| self.material_float(m + 4 + i));

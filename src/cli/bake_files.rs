@@ -10,7 +10,7 @@ use invertex::attribute::Attribute;
 use invertex::mesh::Mesh;
 use invertex::output::{
     TexturePlace, TexturedMesh, encode_exr, encode_exr_half, encode_exr_mapping, encode_glb,
-    encode_png, encode_png16, make_folder, write_bytes,
+    encode_grey, encode_texture, encode_texture16, make_folder, write_bytes,
 };
 use invertex::recover::{BakeAttribute, Baked, BakedTexture};
 
@@ -83,7 +83,7 @@ impl Files {
             if let Some(place) = place(&attribute).filter(|place| !taken(place)) {
                 let eight = match self.bits {
                     8 => png,
-                    _ => encode_png(self.size, self.size, &texture.rgba8())?,
+                    _ => encode_texture(self.size, self.size, &texture.rgba8())?,
                 };
                 textures.push((place, eight));
             }
@@ -125,8 +125,8 @@ impl Files {
             Ok(())
         };
         let png = match self.bits {
-            8 => encode_png(side, side, &texture.rgba8())?,
-            _ => encode_png16(side, side, &texture.rgba16())?,
+            8 => encode_texture(side, side, &texture.rgba8())?,
+            _ => encode_texture16(side, side, &texture.rgba16())?,
         };
         write("png", &png)?;
         let exr = match (self.floats, texture.triangles()) {
@@ -149,10 +149,8 @@ impl Files {
 
     fn write_mask(&self, target: &Target, mask: &[u8], report: &mut Report) -> Result<()> {
         let start = Instant::now();
-        let shade = |&m: &u8| [m, m, m, 255];
-        let mask: Vec<u8> = mask.iter().flat_map(shade).collect();
         let path = self.folder.join(target.file("mask", "png"));
-        report.file(&path, &encode_png(self.size, self.size, &mask)?)?;
+        report.file(&path, &encode_grey(self.size, self.size, mask)?)?;
         report.writing += start.elapsed();
         Ok(())
     }

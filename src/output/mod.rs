@@ -16,4 +16,4 @@ pub use file::{check_target, make_folder, write_bytes};
 pub use glb::{TexturePlace, TexturedMesh, encode_glb};
 pub use heat_map::heat_map;
 pub use map_picture::{MapPictures, map_pictures};
-pub use png::{encode_png, encode_png16};
+pub use png::{encode_grey, encode_png, encode_texture, encode_texture16};

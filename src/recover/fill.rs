@@ -31,10 +31,10 @@ pub(super) fn growth(
     let (mut open, mut all): (Vec<usize>, Vec<Grown>) = (Vec::new(), Vec::new());
     for round in 0..rounds {
         if round == 0 {
-            let empty = (0..known.len()).into_par_iter();
-            open = empty
-                .filter(|&at| !known[at] && !closed(at))
-                .filter(|&at| near(at, size, known.len()).any(|n| known[n]))
+            let rows = (0..known.len() / size).into_par_iter();
+            open = rows
+                .flat_map_iter(|y| rim(&known, size, y))
+                .filter(|&at| !closed(at))
                 .collect();
         }
         let first = all.len();
@@ -56,6 +56,23 @@ pub(super) fn growth(
         open = next;
     }
     all
+}
+
+/// The texels of row `y` without a value that lie beside one with a value.
+fn rim(known: &[bool], size: usize, y: usize) -> impl Iterator<Item = usize> {
+    let row = |y: usize| known.get(y * size..(y + 1) * size);
+    let (own, above, below) = (
+        &known[y * size..(y + 1) * size],
+        y.checked_sub(1).and_then(row),
+        row(y + 1),
+    );
+    let there = move |other: Option<&[bool]>, x: usize| other.is_some_and(|row| row[x]);
+    let beside = move |x: usize| {
+        (x > 0 && own[x - 1]) || (x + 1 < size && own[x + 1]) || there(above, x) || there(below, x)
+    };
+    (0..size)
+        .filter(move |&x| !own[x] && beside(x))
+        .map(move |x| y * size + x)
 }
 
 /// The texels left, right, above and below, as far as there are any.

@@ -1,14 +1,21 @@
 //! From a point of the simple surface to its point of the reference.
 //!
 //! In: both surfaces, a [`Mapping`]. Out: [`Finder`], which any number of cores ask through [`Search`]. Each search keeps where
-//! it found its last point: neighbours begin there.
+//! it found its last point: neighbours begin there. Rays along normals of one triangle lie in the prism between its corners'
+//! normals; a search over texels keeps where such rays begin in the tree.
 
 use super::high::High;
 use super::laid::Laid;
 use super::mapping::{Mapping, Misses, Recovery};
 use super::visible::Field;
 use crate::attribute::arithmetic::{V3, add3, dot3, scale3, sub3, unit3, weighted};
-use crate::mesh::bvh::{Asking, Found, NO_HINT, Ray, Sides};
+use crate::mesh::bvh::{Asking, Bundle, Found, NO_HINT, Ray, Sides};
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// How much farther a ray goes than its corners' normals, weighted: normals within 60 degrees of each other have a mean of
+/// length sqrt(2/3) at least.
+const LONGER: f32 = 1.25;
 
 /// Finds points of the reference.
 pub(crate) struct Finder<'a> {
@@ -28,6 +35,10 @@ pub(crate) struct Search<'a> {
     finder: &'a Finder<'a>,
     asking: Asking<'a>,
     hint: u32,
+    /// Where rays begin, for triangles asked about before; none inside: at the root. None at all: nobody asks for neighbours.
+    bundles: Option<HashMap<usize, Option<Rc<Bundle>>>>,
+    /// That of the last triangle.
+    last: (usize, Option<Rc<Bundle>>),
 }
 
 /// What was found for a point.
@@ -63,7 +74,38 @@ impl<'a> Finder<'a> {
             finder: self,
             asking: self.high.tree.asking(),
             hint: NO_HINT,
+            bundles: None,
+            last: (usize::MAX, None),
         }
+    }
+
+    /// A search over points that are neighbours; the same answers, sooner.
+    pub(crate) fn search_neighbours(&'a self) -> Search<'a> {
+        let along_normals = self.mapping == Mapping::Normal;
+        Search {
+            bundles: along_normals.then(HashMap::new),
+            ..self.search()
+        }
+    }
+
+    /// Where rays along the normals of triangle `t` begin; none where normals differ too much.
+    fn bundle(&self, t: usize) -> Option<Bundle> {
+        let corners = self.low.world.triangles[t].map(|v| v as usize);
+        let normals = corners.map(|v| self.low.outward[v]);
+        let near = |a: usize, b: usize| dot3(normals[a], normals[b]) >= 0.5;
+        if !(near(0, 1) && near(1, 2) && near(2, 0)) {
+            return None;
+        }
+        let ends = [0, 1, 2].map(|k| {
+            let (p, way) = (self.low.world.positions[corners[k]], normals[k]);
+            let far = self.reach * LONGER;
+            [add3(p, scale3(way, far)), sub3(p, scale3(way, far))]
+        });
+        let all = ends.as_flattened();
+        let least = |k: usize| all.iter().fold(f32::INFINITY, |m, p| m.min(p[k]));
+        let most = |k: usize| all.iter().fold(f32::NEG_INFINITY, |m, p| m.max(p[k]));
+        let [low, high] = [[0, 1, 2].map(least), [0, 1, 2].map(most)];
+        Some(self.high.tree.bundle(low, high))
     }
 
     /// The unit normal of rays at a point; the triangle's own where normals cancel out.
@@ -117,7 +159,7 @@ impl Search<'_> {
         let mut found = match mapping {
             Mapping::Proximity => self.closest(p, facing),
             Mapping::Cage => self.inwards(t, b, p, outward),
-            _ => self.both_ways(p, finder.direction(mapping, t, b, outward)),
+            _ => self.both_ways(t, p, finder.direction(mapping, t, b, outward)),
         };
         if found.is_none() && finder.mapping == Mapping::Auto {
             // What was best at the middle of a texel may miss beside it.
@@ -142,24 +184,50 @@ impl Search<'_> {
     }
 
     fn ray(&mut self, begin: V3, way: V3, reach: f32, sides: Sides) -> Option<Found> {
-        let sides = if self.finder.facing {
-            sides
-        } else {
-            Sides::Both
+        let ray = self.counted(begin, way, reach, sides);
+        self.asking.first(ray)
+    }
+
+    fn counted(&self, begin: V3, way: V3, reach: f32, sides: Sides) -> Ray {
+        let sides = match self.finder.facing {
+            true => sides,
+            false => Sides::Both,
         };
-        self.asking.first(Ray {
+        Ray {
             begin,
             way,
             reach,
             sides,
-        })
+        }
     }
 
     /// Outwards first: what lies over the surface hides what lies under it.
-    fn both_ways(&mut self, p: V3, way: V3) -> Option<Found> {
+    fn both_ways(&mut self, t: usize, p: V3, way: V3) -> Option<Found> {
         let reach = self.finder.reach;
-        self.ray(p, way, reach, Sides::Back)
-            .or_else(|| self.ray(p, scale3(way, -1.0), reach, Sides::Front))
+        let outwards = self.counted(p, way, reach, Sides::Back);
+        let inwards = self.counted(p, scale3(way, -1.0), reach, Sides::Front);
+        self.keep_bundle(t);
+        match &self.last.1 {
+            Some(bundle) => {
+                let out = self.asking.first_in(outwards, bundle);
+                out.or_else(|| self.asking.first_in(inwards, bundle))
+            }
+            None => {
+                let out = self.asking.first(outwards);
+                out.or_else(|| self.asking.first(inwards))
+            }
+        }
+    }
+
+    /// Makes the last bundle that of triangle `t`.
+    fn keep_bundle(&mut self, t: usize) {
+        let Some(bundles) = self.bundles.as_mut().filter(|_| self.last.0 != t) else {
+            return;
+        };
+        let made = bundles
+            .entry(t)
+            .or_insert_with(|| self.finder.bundle(t).map(Rc::new));
+        self.last = (t, made.clone());
     }
 
     /// From the cage to the point and on, as far as rays reach; without a cage from as far outside.

@@ -125,7 +125,8 @@ impl Laid {
 
     /// Numbers of the vertices, weighted.
     pub(crate) fn weighted(&self, of: &[V3], t: usize, b: [f32; 3]) -> V3 {
-        weighted(&self.world.triangles[t].map(|v| of[v as usize]), b)
+        let [i, j, k] = self.world.triangles[t];
+        weighted(&[of[i as usize], of[j as usize], of[k as usize]], b)
     }
 
     /// A point of the surface.

@@ -3,7 +3,7 @@
 //! In: a LoD, its atlas. Out: a mesh with texture coordinates and tangents; and its frame, to bring normals into.
 
 use super::atlas::Atlas;
-use crate::attribute::arithmetic::{V3, cross3, dot3, unit3};
+use crate::attribute::arithmetic::{V3, cross3, dot3, unit3, weighted};
 use crate::lod::Lod;
 use crate::mesh::{Mesh, MorphTarget};
 use std::collections::HashMap;
@@ -54,16 +54,16 @@ pub(super) fn unwrapped(reference: &Mesh, lod: &Lod, atlas: &Atlas) -> Mesh {
 
 /// `normal` (object space) as a tangent-space normal at barycentrics `b` of a triangle of `low`: what undoes the shading.
 pub(super) fn into_frame(low: &Mesh, corners: [u32; 3], b: [f32; 3], normal: V3) -> V3 {
-    let weighted = |at: &dyn Fn(usize) -> V3| -> V3 {
-        std::array::from_fn(|i| (0..3).map(|k| b[k] * at(corners[k] as usize)[i]).sum())
-    };
-    let n = unit3(weighted(&|v| low.normals[v]), normal);
-    let t = weighted(&|v| {
+    let [i, j, k] = corners.map(|v| v as usize);
+    let n = weighted(&[low.normals[i], low.normals[j], low.normals[k]], b);
+    let n = unit3(n, normal);
+    let along = |v: usize| {
         let [x, y, z, _] = low.tangents[v];
         [x, y, z]
-    });
+    };
+    let t = weighted(&[along(i), along(j), along(k)], b);
     let t = unit3(t, cross3(n, [0.0, 1.0, 0.0]));
-    let side = low.tangents[corners[0] as usize][3];
+    let side = low.tangents[i][3];
     let bitangent = cross3(n, t).map(|c| c * side);
     // The shading does not make tangent and normal perpendicular, so what undoes it solves for both at once.
     let (leaning, along_t, along_n) = (dot3(t, n), dot3(normal, t), dot3(normal, n));

@@ -29,7 +29,8 @@ impl Surface for OverLow<'_> {
         Box::new(LowBand {
             of: self,
             owners: self.tiles.owners(&self.finder.low.world, &rows),
-            search: self.finder.search(),
+            search: self.finder.search_neighbours(),
+            last: (usize::MAX, [[0.0; 2]; 3]),
         })
     }
 
@@ -56,13 +57,25 @@ struct LowBand<'a> {
     of: &'a OverLow<'a>,
     owners: Owners,
     search: Search<'a>,
+    /// The triangle of the last sample and its corners in texels: neighbours mostly lie in one.
+    last: (usize, [[f64; 2]; 3]),
+}
+
+impl LowBand<'_> {
+    fn corners(&mut self, t: usize) -> [[f64; 2]; 3] {
+        if self.last.0 != t {
+            let low = &self.of.finder.low.world;
+            self.last = (t, texel::corners(low, t, self.owners.size));
+        }
+        self.last.1
+    }
 }
 
 impl Band for LowBand<'_> {
     fn sample(&mut self, fine: [u32; 2]) -> Option<Sample<'_>> {
         let t = self.owners.of(fine)?;
         let low = self.of.finder.low;
-        let corners = texel::corners(&low.world, t, self.owners.size);
+        let corners = self.corners(t);
         let centre = fine.map(|c| f64::from(c) + 0.5);
         let b = texel::barycentric(&corners, centre)?;
         let answer = self.search.at(t, b);

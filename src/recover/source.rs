@@ -191,18 +191,20 @@ impl Source {
             world: &ROWS,
             normal: &UPRIGHT,
         };
-        let mut surface = self.set.surface(decode, &here, &frame);
-        let [x, y, z] = match &self.attribute {
-            BakeAttribute::Normal | BakeAttribute::ObjectNormal => self.framed(surface.normal, low),
-            BakeAttribute::Shading => return grey(dot3(surface.normal, self.light).max(0.0)),
-            _ => {
-                self.set.show(decode, &mut surface, &here, triangle, 0.0);
-                let [r, g, b, _] = surface.base;
-                [r, g, b]
+        let normal = || self.set.shading_normal(decode, &here, &frame);
+        match &self.attribute {
+            BakeAttribute::Normal | BakeAttribute::ObjectNormal => {
+                let [x, y, z] = self.framed(normal(), low);
+                [x, y, z, 1.0]
             }
-        };
-        let is_color = self.attribute.is_color();
-        [x, y, z, if is_color { surface.base[3] } else { 1.0 }]
+            BakeAttribute::Shading => grey(dot3(normal(), self.light).max(0.0)),
+            _ => {
+                let mut surface = self.set.surface(decode, &here, &frame);
+                self.set.show(decode, &mut surface, &here, triangle, 0.0);
+                let [r, g, b, a] = surface.base;
+                [r, g, b, if self.attribute.is_color() { a } else { 1.0 }]
+            }
+        }
     }
 
     /// A direction in the frame that the attribute is told in.

@@ -21,15 +21,7 @@ impl Asking<'_> {
         facing: Option<V3>,
         hint: u32,
     ) -> Option<Found> {
-        let mut best = Best {
-            facing,
-            found: Found {
-                triangle: u32::MAX,
-                b: [1.0, 0.0, 0.0],
-                distance: within,
-                hint: NO_HINT,
-            },
-        };
+        let mut best = Best::new(within, facing);
         let splat = p.map(Vec4::splat);
         if let Some(pack) = self.tree.packs.get(hint as usize) {
             best.take(pack, hint, &splat);
@@ -60,7 +52,17 @@ impl Asking<'_> {
                 }
             }
         }
-        (best.found.triangle != u32::MAX).then_some(best.found)
+        best.any()
+    }
+
+    /// The same by asking every triangle: what the walk is held against.
+    pub(crate) fn closest_of_every(&self, p: V3, within: f32, facing: Option<V3>) -> Option<Found> {
+        let mut best = Best::new(within, facing);
+        let splat = p.map(Vec4::splat);
+        for (number, pack) in self.tree.packs.iter().enumerate() {
+            best.take(pack, number as u32, &splat);
+        }
+        best.any()
     }
 }
 
@@ -81,6 +83,22 @@ struct Best {
 }
 
 impl Best {
+    fn new(within: f32, facing: Option<V3>) -> Best {
+        Best {
+            facing,
+            found: Found {
+                triangle: u32::MAX,
+                b: [1.0, 0.0, 0.0],
+                distance: within,
+                hint: NO_HINT,
+            },
+        }
+    }
+
+    fn any(self) -> Option<Found> {
+        (self.found.triangle != u32::MAX).then_some(self.found)
+    }
+
     /// Takes from a leaf what is closer, or as close with a lower number.
     fn take(&mut self, pack: &Pack, hint: u32, p: &[Vec4; 3]) {
         let (v, w, distance) = four(pack, p);

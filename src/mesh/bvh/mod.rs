@@ -10,9 +10,11 @@
 //!
 //! ```text
 //! split.rs  binned surface area heuristic, on all cores -> wide.rs  four boxes a node, four triangles a leaf
+//! bundle.rs where rays of one bundle begin
 //! ray.rs    first hit (watertight, Woop et al. 2013)       closest.rs  closest point (Ericson 2005, 5.1.5)
 //! ```
 
+mod bundle;
 mod closest;
 mod ray;
 mod split;
@@ -20,6 +22,7 @@ mod split;
 mod tests;
 mod wide;
 
+pub(crate) use bundle::Bundle;
 pub(crate) use ray::{Ray, Sides};
 use wide::{Node, Pack};
 
@@ -33,6 +36,8 @@ pub(crate) struct Bvh {
     /// The box round all triangles; its low corner is above its high one where there are none.
     low: V3,
     high: V3,
+    /// The largest coordinate of any corner.
+    largest: f32,
 }
 
 /// A point of the triangles.
@@ -79,6 +84,7 @@ impl Bvh {
         Bvh {
             nodes,
             packs,
+            largest: largest(low.into_iter().chain(high)),
             low,
             high,
         }
@@ -134,12 +140,13 @@ impl Bvh {
 
     /// The largest coordinate of any corner.
     pub(crate) fn largest(&self) -> f32 {
-        let all = self.low.iter().chain(&self.high);
-        all.fold(
-            0.0,
-            |m: f32, c| {
-                if c.is_finite() { m.max(c.abs()) } else { m }
-            },
-        )
+        self.largest
     }
+}
+
+/// The largest of some coordinates that are finite.
+fn largest(coordinates: impl Iterator<Item = f32>) -> f32 {
+    coordinates
+        .filter(|c| c.is_finite())
+        .fold(0.0, |m, c| m.max(c.abs()))
 }

@@ -4,7 +4,7 @@
 //! share an edge compute the same number for it with opposite signs, so no ray passes between them. Four at once.
 
 use super::wide::{IS_LEAF, Node, Pack};
-use super::{Asking, Bvh, Found, V3, push_nearest_last};
+use super::{Asking, Bundle, Bvh, Found, V3, push_nearest_last};
 use glam::Vec4;
 
 /// Boxes are larger by this share of the largest coordinate: more than rounding takes from any of them.
@@ -148,35 +148,76 @@ impl Prepared {
     }
 }
 
+/// The first hit so far.
+struct First<'a> {
+    ray: &'a Prepared,
+    best: (f32, u32),
+    found: Option<Found>,
+}
+
+impl First<'_> {
+    fn new(ray: &Prepared) -> First<'_> {
+        First {
+            ray,
+            best: (ray.ray.reach, u32::MAX),
+            found: None,
+        }
+    }
+
+    /// Takes from a leaf what is nearer, or as near with a lower number; how far the ray still reaches.
+    fn take(&mut self, pack: &Pack, number: u32) -> f32 {
+        let (t, b) = self.ray.hits(pack);
+        for lane in (0..4).filter(|&lane| t[lane].is_finite()) {
+            let hit = (t[lane], pack.id[lane]);
+            if hit < self.best && self.ray.within(&pack.lane(lane), t[lane]) {
+                self.best = hit;
+                self.found = Some(Found {
+                    triangle: pack.id[lane],
+                    b: b.map(|b| b[lane]),
+                    distance: t[lane],
+                    hint: number,
+                });
+            }
+        }
+        self.best.0
+    }
+}
+
 impl Asking<'_> {
     /// The first hit; of equally far ones that of the lowest triangle.
     pub(crate) fn first(&mut self, ray: Ray) -> Option<Found> {
+        self.first_from(ray, None)
+    }
+
+    /// Likewise, the walk beginning at `bundle`, in whose box the ray must lie.
+    pub(crate) fn first_in(&mut self, ray: Ray, bundle: &Bundle) -> Option<Found> {
+        self.first_from(ray, Some(bundle))
+    }
+
+    fn first_from(&mut self, ray: Ray, bundle: Option<&Bundle>) -> Option<Found> {
         let prepared = Prepared::new(self.tree, ray);
-        let mut best = (ray.reach, u32::MAX);
-        let mut found = None;
-        self.walk(&prepared, |pack, number| {
-            let (t, b) = prepared.hits(pack);
-            for lane in (0..4).filter(|&lane| t[lane].is_finite()) {
-                if (t[lane], pack.id[lane]) < best && prepared.within(&pack.lane(lane), t[lane]) {
-                    best = (t[lane], pack.id[lane]);
-                    found = Some(Found {
-                        triangle: pack.id[lane],
-                        b: b.map(|b| b[lane]),
-                        distance: t[lane],
-                        hint: number,
-                    });
-                }
-            }
-            Some(best.0)
+        let mut first = First::new(&prepared);
+        self.walk(&prepared, bundle, |pack, number| {
+            Some(first.take(pack, number))
         });
-        found
+        first.found
+    }
+
+    /// The same by asking every triangle: what the walk is held against.
+    pub(crate) fn first_of_every(&self, ray: Ray) -> Option<Found> {
+        let prepared = Prepared::new(self.tree, ray);
+        let mut first = First::new(&prepared);
+        for (number, pack) in self.tree.packs.iter().enumerate() {
+            first.take(pack, number as u32);
+        }
+        first.found
     }
 
     /// Whether anything lies on the ray.
     pub(crate) fn meets(&mut self, ray: Ray) -> bool {
         let prepared = Prepared::new(self.tree, ray);
         let mut met = false;
-        self.walk(&prepared, |pack, _| {
+        self.walk(&prepared, None, |pack, _| {
             let (t, _) = prepared.hits(pack);
             met = (0..4)
                 .any(|lane| t[lane].is_finite() && prepared.within(&pack.lane(lane), t[lane]));
@@ -185,12 +226,23 @@ impl Asking<'_> {
         met
     }
 
-    /// Shows leaves along a ray, near ones first, to `take`, which says how far the ray still reaches; none ends the walk.
-    fn walk(&mut self, ray: &Prepared, mut take: impl FnMut(&Pack, u32) -> Option<f32>) {
+    /// Shows leaves along a ray, near ones first, to `take`, which says how far the ray still reaches; none ends the walk. It
+    /// begins at the root or where `bundle` says.
+    fn walk(
+        &mut self,
+        ray: &Prepared,
+        bundle: Option<&Bundle>,
+        mut take: impl FnMut(&Pack, u32) -> Option<f32>,
+    ) {
         let mut end = ray.ray.reach;
         self.stack.clear();
-        if !self.tree.nodes.is_empty() {
-            self.stack.push((0.0, 0));
+        match bundle {
+            Some(bundle) => bundle
+                .nodes
+                .iter()
+                .for_each(|node| self.push(ray, node, end, 0)),
+            None if !self.tree.nodes.is_empty() => self.stack.push((0.0, 0)),
+            None => {}
         }
         while let Some((enters, at)) = self.stack.pop() {
             if enters > end {
@@ -204,13 +256,16 @@ impl Asking<'_> {
                 }
                 continue;
             }
-            let node = &self.tree.nodes[at as usize];
-            let enters = ray.enters(node, end).to_array();
-            let first = self.stack.len();
-            for (lane, &enters) in enters.iter().enumerate() {
-                if enters <= end && enters < f32::INFINITY {
-                    push_nearest_last(&mut self.stack, first, (enters, node.child[lane]));
-                }
+            self.push(ray, &self.tree.nodes[at as usize], end, self.stack.len());
+        }
+    }
+
+    /// Pushes what the ray enters of a node's children; what is on the stack from `first` on stays in order.
+    fn push(&mut self, ray: &Prepared, node: &Node, end: f32, first: usize) {
+        let enters = ray.enters(node, end).to_array();
+        for (lane, &enters) in enters.iter().enumerate() {
+            if enters <= end && enters < f32::INFINITY {
+                push_nearest_last(&mut self.stack, first, (enters, node.child[lane]));
             }
         }
     }

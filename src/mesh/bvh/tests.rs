@@ -77,6 +77,7 @@ fn first_hits_are_those_of_asking_every_triangle() {
     let lone = |t: &[V3; 3]| Bvh {
         low: tree.low,
         high: tree.high,
+        largest: tree.largest,
         ..Bvh::new(&[*t])
     };
     let single: Vec<Bvh> = all.iter().map(lone).collect();

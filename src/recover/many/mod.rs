@@ -92,6 +92,29 @@ impl Question {
     }
 }
 
+impl Question {
+    /// The ray that is asked about, if it is one.
+    fn as_ray(&self) -> Option<Ray> {
+        let sides = match self.ask {
+            Ask::Closest | Ask::ClosestFacing => return None,
+            Ask::Ray => Sides::Both,
+            Ask::RayFront => Sides::Front,
+            Ask::RayBack => Sides::Back,
+        };
+        Some(Ray {
+            begin: self.place,
+            way: self.way,
+            reach: self.within,
+            sides,
+        })
+    }
+
+    /// What triangles must not face away from.
+    fn facing(&self) -> Option<[f32; 3]> {
+        (self.ask == Ask::ClosestFacing).then_some(self.way)
+    }
+}
+
 impl Triangles {
     /// Builds the tree over triangles, which keep their numbers.
     pub fn new(corners: &[[[f32; 3]; 3]]) -> Triangles {
@@ -108,22 +131,30 @@ impl Triangles {
         chunks.flat_map_iter(|some| self.run(some)).collect()
     }
 
+    /// The same answers by asking every triangle, one question after the other: slow, and the definition that the others are
+    /// held against.
+    pub fn ask_every(&self, questions: &[Question]) -> Vec<Option<Answer>> {
+        let asking = self.tree.asking();
+        let answer = |q: &Question| {
+            let found = match q.as_ray() {
+                Some(ray) => asking.first_of_every(ray),
+                None => asking.closest_of_every(q.place, q.within, q.facing()),
+            };
+            found.map(Answer::from)
+        };
+        let chunks = questions.par_chunks(CHUNK);
+        chunks
+            .flat_map_iter(|some| some.iter().map(answer))
+            .collect()
+    }
+
     fn run(&self, questions: &[Question]) -> Vec<Option<Answer>> {
         let mut asking = self.tree.asking();
         let mut hint = NO_HINT;
         let answer = |q: &Question| {
-            let ray = |sides| Ray {
-                begin: q.place,
-                way: q.way,
-                reach: q.within,
-                sides,
-            };
-            let found = match q.ask {
-                Ask::Closest => asking.closest(q.place, q.within, None, hint),
-                Ask::ClosestFacing => asking.closest(q.place, q.within, Some(q.way), hint),
-                Ask::Ray => asking.first(ray(Sides::Both)),
-                Ask::RayFront => asking.first(ray(Sides::Front)),
-                Ask::RayBack => asking.first(ray(Sides::Back)),
+            let found = match q.as_ray() {
+                Some(ray) => asking.first(ray),
+                None => asking.closest(q.place, q.within, q.facing(), hint),
             };
             hint = found.map_or(hint, |f| f.hint);
             found.map(Answer::from)
