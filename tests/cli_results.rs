@@ -57,6 +57,34 @@ fn inspect_says_what_fits() {
 }
 
 #[test]
+fn progressive_levels_say_how_far_detail_is_displaced() {
+    let folder = Folder::new();
+    let model = folder.write("ball.glb", &Ball::default().glb());
+    let built = folder.at("built.glb");
+    let arguments = ["build", &model, "-o", &built, "--device", "cpu", "--json"];
+    let progressive = ["--simplifier", "progressive", "--lods", "0.5,0.2"];
+    let json = invertex(&[&arguments[..], &progressive[..]].concat())
+        .ok()
+        .json();
+    let number = |v: &Value| v.as_f64().unwrap();
+    let lods = json["meshes"][0]["lods"].as_array().unwrap();
+    for lod in lods {
+        let [bound, far] = ["deviation_bound", "deviation_max"].map(|key| number(&lod[key]));
+        assert!(
+            far > 0.0 && far <= bound && bound < 0.5,
+            "{far} and {bound}"
+        );
+        assert_eq!(
+            (number(&lod["turned"]), &lod["reached"]),
+            (0.0, &Value::Bool(true))
+        );
+    }
+    assert!(number(&lods[0]["deviation_bound"]) < number(&lods[1]["deviation_bound"]));
+    let wrong = ["--simplifier", "magic"];
+    assert_eq!(invertex(&[&arguments[..], &wrong[..]].concat()).code, 2);
+}
+
+#[test]
 fn build_reports_and_repeats() {
     let folder = Folder::new();
     let model = folder.write("ball.glb", &Ball::default().glb());
@@ -108,6 +136,7 @@ fn build_reports_and_repeats() {
         number(&lods[1]["deviation_max"]) < 0.5,
         "a ball of radius 1 stays one"
     );
+    assert!(lods[0]["deviation_bound"].is_null());
     let again = build("b.glb");
     assert_eq!(mesh["tables_sha256"], again["meshes"][0]["tables_sha256"]);
     assert_eq!(

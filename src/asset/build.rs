@@ -9,13 +9,13 @@
 //!
 //! The same scene and settings give the same model, whichever processor builds the tables.
 
-use super::motion::shapes;
+use super::motion::{places, shapes};
 use super::report::{self, MeshReport};
 use super::settings::{BuildSettings, Processor, Progress, check, hash_for};
 use super::{Built, BuiltMesh};
 use crate::igt::{self, Ambiguous, Asking, BuildOptions, Needs, Reference, Tables};
 use crate::lod::deviation::{Deviation, deviation};
-use crate::lod::{self, Lod, LodInput, Shape};
+use crate::lod::{self, Lod, LodInput, Shape, Simplifier};
 use crate::mesh::Mesh;
 use crate::param::{self, Chosen, Parts, Primary, Quality, Weighed};
 use crate::scene::Scene;
@@ -97,7 +97,13 @@ pub fn build(
     let mut built = Vec::with_capacity(prepared.len());
     let of_all = prepared.into_iter().zip(tables).zip(far).zip(&ambiguous);
     for (((p, tables), far), ambiguous) in of_all {
-        let report = report::of(&scene.meshes[p.mesh], &p, &tables, ambiguous, &far);
+        let report = report::of(
+            &scene.meshes[p.mesh],
+            &p,
+            &tables,
+            ambiguous,
+            (&far, settings.simplifier),
+        );
         built.push(BuiltMesh {
             mesh: p.mesh,
             triangle_layer: p.parts.triangle_layer,
@@ -301,24 +307,12 @@ impl Work<'_> {
             .collect();
         self.step("lods", "", || {
             let shapes: Vec<Vec<Shape>> = meshes.iter().map(|&m| shapes(scene, m)).collect();
-            lod::chains_in_motion(&inputs, &shapes, fractions)
+            match self.settings.simplifier {
+                Simplifier::Meshopt => lod::chains_in_motion(&inputs, &shapes, fractions),
+                Simplifier::Progressive => lod::nested_chains(&inputs, fractions),
+            }
         })
     }
-}
-
-/// Where each mesh first stands in the world, as four columns: what one error budget over all meshes is measured in.
-fn places(scene: &Scene) -> Vec<[[f32; 4]; 4]> {
-    let mut places = vec![glam::Mat4::IDENTITY.to_cols_array_2d(); scene.meshes.len()];
-    // A skinned mesh is placed by its joints, not by its node, so it keeps the identity.
-    let standing: Vec<_> = scene
-        .instances()
-        .into_iter()
-        .filter(|instance| instance.skin.is_none())
-        .collect();
-    for instance in standing.into_iter().rev() {
-        places[instance.mesh] = instance.world.as_mat4().to_cols_array_2d();
-    }
-    places
 }
 
 #[cfg(test)]

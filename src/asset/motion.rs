@@ -1,6 +1,6 @@
-//! The poses that a model's LoDs are made for.
+//! Where a model's meshes stand, and the poses that its LoDs are made for.
 //!
-//! In: a scene. Out: for a mesh its shapes in poses spread over all of the file's animations; where the file has none, with
+//! In: a scene. Out: the place of each mesh in the world; for a mesh its shapes in poses spread over all of the file's animations; where the file has none, with
 //! every joint turned a little about each axis, and with each morph target.
 
 use crate::lod::{MOST_POSES, Shape};
@@ -9,6 +9,21 @@ use glam::DVec3;
 
 /// Joints turn by this much where no animation says how, in radians.
 const FLEX: f64 = 0.6;
+
+/// Where each mesh first stands in the world, as four columns: what one error budget over all meshes is measured in.
+pub(super) fn places(scene: &Scene) -> Vec<[[f32; 4]; 4]> {
+    let mut places = vec![glam::Mat4::IDENTITY.to_cols_array_2d(); scene.meshes.len()];
+    // A skinned mesh is placed by its joints, not by its node, so it keeps the identity.
+    let standing: Vec<_> = scene
+        .instances()
+        .into_iter()
+        .filter(|instance| instance.skin.is_none())
+        .collect();
+    for instance in standing.into_iter().rev() {
+        places[instance.mesh] = instance.world.as_mat4().to_cols_array_2d();
+    }
+    places
+}
 
 /// Positions of a mesh's vertices in up to [`MOST_POSES`] poses; none for a mesh that nothing deforms.
 pub(super) fn shapes(scene: &Scene, mesh: usize) -> Vec<Shape> {

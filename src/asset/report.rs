@@ -6,6 +6,7 @@
 use super::BuiltMesh;
 use super::build::Prepared;
 use crate::igt::{Ambiguous, Layout, Tables};
+use crate::lod::Simplifier;
 use crate::lod::deviation::Deviation;
 use crate::mesh::Mesh;
 use crate::param::{self, Quality, Weighed};
@@ -97,6 +98,10 @@ pub struct LodReport {
     pub deviation_max: f32,
     /// Root mean square of it.
     pub deviation_rms: f32,
+    /// Bound of how far any point of the LoD lies from the point of the reference that it stands for, object units; null
+    /// where the simplifier knows none.
+    #[serde(default)]
+    pub deviation_bound: Option<f32>,
     /// Triangles that lie the other way round in T3.
     pub turned: u32,
     /// False where the simplifier could not come down to the triangles asked for.
@@ -111,14 +116,16 @@ impl MeshReport {
 }
 
 impl BuiltMesh {
-    /// Largest distance of LoD `lod` (0 is the finest LoD) from the reference, in object units: as the build measured it,
-    /// or, where the file does not say so credibly, the simplifier's figure.
+    /// Largest distance of LoD `lod` (0 is the finest LoD) from the reference, in object units: the simplifier's bound where
+    /// it has one, else as the build measured it, or, where the file does not say so credibly, the simplifier's figure.
     pub fn deviation_max(&self, lod: usize) -> f32 {
-        let said = self.report["lods"][lod]["deviation_max"]
-            .as_f64()
-            .map(|d| d as f32);
-        let credible = said.filter(|d| d.is_finite() && *d >= 0.0);
-        credible.unwrap_or_else(|| self.lods.get(lod).map_or(0.0, |lod| lod.error))
+        let said = |what: &str| {
+            let said = self.report["lods"][lod][what].as_f64().map(|d| d as f32);
+            said.filter(|d| d.is_finite() && *d >= 0.0)
+        };
+        said("deviation_bound")
+            .or_else(|| said("deviation_max"))
+            .unwrap_or_else(|| self.lods.get(lod).map_or(0.0, |lod| lod.error))
     }
 }
 
@@ -127,7 +134,7 @@ pub(super) fn of(
     prepared: &Prepared,
     tables: &Tables,
     ambiguous: &Ambiguous,
-    far: &[Deviation],
+    (far, simplifier): (&[Deviation], Simplifier),
 ) -> MeshReport {
     let primary = &prepared.primary;
     let fit = param::fit(mesh, primary.kind, Some(primary.frame.origin));
@@ -139,6 +146,7 @@ pub(super) fn of(
         vertices: lod.positions.len(),
         deviation_max: far.max,
         deviation_rms: far.rms,
+        deviation_bound: (simplifier == Simplifier::Progressive).then_some(lod.error),
         turned: lod.turned,
         reached: lod.reached,
     };

@@ -3,6 +3,7 @@
 //! In: what a caller wants. Out: [`BuildSettings`], checked against a scene before any work.
 
 use crate::igt::{BuildOptions, Layout};
+use crate::lod::Simplifier;
 use crate::param::PrimaryRequest;
 use crate::scene::Scene;
 use crate::{Error, Result};
@@ -20,6 +21,8 @@ pub struct BuildSettings {
     pub layout: Layout,
     /// Fractions of the whole model's triangles, one for each LoD.
     pub lods: Vec<f32>,
+    /// What makes them.
+    pub simplifier: Simplifier,
 }
 
 impl Default for BuildSettings {
@@ -30,6 +33,7 @@ impl Default for BuildSettings {
             hash: None,
             layout: Layout::Packed,
             lods: vec![0.5, 0.2, 0.1, 0.05],
+            simplifier: Simplifier::default(),
         }
     }
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use invertex::asset::{self, BuildSettings, MeshReport};
 use invertex::igt::Layout;
+use invertex::lod;
 use invertex::output::{check_target, write_bytes};
 use invertex::param::PrimaryRequest;
 use invertex::recover::prefilter;
@@ -28,8 +29,8 @@ map {charts, stretch {l2, linf, angle}, seam_length, filled_fraction, turned_tri
 layout, entries, mean_list, max_list, gutter_entries, gutter_width (texels), unreached_texels, collapsed_triangles,
 ambiguous_fraction (of the covered domain), ambiguous_triangles, ambiguous_area_fraction (of the surface, at most),
 ambiguous_first[] (up to 64 of them), overlap_fraction, turned_fraction, bytes {hash, list, triangle, attribute, total}, tables_sha256,
-lods[]: triangles, vertices, deviation_max, deviation_rms, turned, reached; build_ms {load, primary, parts, lods, tables,
-ambiguous, deviations, write, total}.
+lods[]: triangles, vertices, deviation_max, deviation_rms, deviation_bound (of --simplifier progressive, else null), turned,
+reached; build_ms {load, primary, parts, lods, tables, ambiguous, deviations, write, total}.
 
 Examples:
   invertex build helmet.glb -o built.glb
@@ -39,6 +40,7 @@ Examples:
   invertex build scan.glb -o built.glb --primary lscm              charts, for a scan that has no uv
   invertex build bottle.glb -o built.glb --ambiguous twice.csv        which triangles share a place with others
   invertex build apple.glb -o built.glb --shader-lod 256              far away one fetch does
+  invertex build globe.glb -o built.glb --simplifier progressive      says how far any detail is displaced, at most
   invertex build apple.glb -o built.glb --layout classic --device cpu --json | jq '.meshes[].tables_sha256'")]
 pub(super) struct Build {
     /// The model: .glb or .gltf.
@@ -92,6 +94,8 @@ enum LayoutName {
 enum Simplifier {
     /// Quadric edge collapse by meshoptimizer, one error budget over all meshes.
     Meshopt,
+    /// Progressive meshes, ours: bounds how far any detail of the texture is displaced; levels are nested.
+    Progressive,
 }
 
 #[derive(Serialize)]
@@ -177,6 +181,10 @@ impl Build {
             layout: match self.layout {
                 LayoutName::Packed => Layout::Packed,
                 LayoutName::Classic => Layout::Classic,
+            },
+            simplifier: match self.simplifier {
+                Simplifier::Meshopt => lod::Simplifier::Meshopt,
+                Simplifier::Progressive => lod::Simplifier::Progressive,
             },
             ..BuildSettings::default()
         };
@@ -344,6 +352,7 @@ fn readable(report: &Report) -> String {
         "triangles",
         "of the reference",
         "largest deviation",
+        "detail displaced at most",
     ]);
     for mesh in report.meshes {
         for (k, lod) in mesh.lods.iter().enumerate() {
@@ -353,6 +362,8 @@ fn readable(report: &Report) -> String {
                 thousands(lod.triangles as u64),
                 percent(lod.triangles as f64 / mesh.triangles.max(1) as f64),
                 format!("{:.4e}", lod.deviation_max),
+                lod.deviation_bound
+                    .map_or_else(|| "-".into(), |bound| format!("{bound:.4e}")),
             ]);
         }
     }

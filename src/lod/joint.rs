@@ -149,7 +149,7 @@ pub(super) fn t3_of(joint: &Joint, attributes: &[f32], vertex: usize) -> [f64; 3
 }
 
 /// Object to world in f64; identity where it cannot be undone or throws points out of the range of f32.
-fn world(input: &LodInput<'_>) -> DMat4 {
+pub(super) fn world(input: &LodInput<'_>) -> DMat4 {
     let world = Mat4::from_cols_array_2d(&input.world).as_dmat4();
     let determinant = world.determinant();
     let affine = world.row(3) == glam::DVec4::W;

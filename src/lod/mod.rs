@@ -12,13 +12,20 @@
 //! One simplification over everything, because budgets per part ruin silhouettes: what is flat pays for what is curved.
 //! Where the primary comes from position, vertices are welded by position and there are no seams; where it is a uv set,
 //! chart borders are kept, so that every LoD triangle lies in one chart. Vertices may move to the optimum.
-//! Simplifier: meshoptimizer (quadric error metric, Garland and Heckbert), through the meshopt crate.
+//! Simplifiers ([`Simplifier`]): meshoptimizer (quadric error metric, Garland and Heckbert), through the meshopt crate; our
+//! progressive meshes ([`progressive`]), which bound how far any detail of the reference is displaced:
+//!
+//! ```text
+//! reference mesh --progressive--> collapses with deviations --nested--> one order over all meshes --> Lod per mesh
+//! ```
 
 mod carry;
 pub mod deviation;
 mod joint;
 mod motion;
+mod nested;
 mod order;
+pub mod progressive;
 mod simplify;
 mod split;
 mod tree;
@@ -30,6 +37,17 @@ use crate::mesh::{Mesh, MorphTarget};
 use crate::param::Primary;
 use crate::param::layer::Parts;
 use rayon::prelude::*;
+
+/// What simplifies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Simplifier {
+    /// Collapses in the order of their quadric error by meshoptimizer; vertices move to the optimum, poses are looked at.
+    #[default]
+    Meshopt,
+    /// Collapses in the order of the deviation that they cause; vertices stay, levels are nested, the rest pose is
+    /// looked at, [`Lod::error`] is a bound.
+    Progressive,
+}
 
 /// One level of detail of one mesh. Per-vertex arrays have one element per vertex; `joints` and `weights` are empty for
 /// unskinned meshes, `targets` for those that do not morph.
@@ -51,7 +69,9 @@ pub struct Lod {
     pub weights: Vec<[f32; 4]>,
     /// The reference's morph targets (positions and normals), which its weights move.
     pub targets: Vec<MorphTarget>,
-    /// The simplifier's error over the whole model, in this mesh's object units.
+    /// The simplifier's error, in this mesh's object units: by [`Simplifier::Meshopt`] its own figure over the whole
+    /// model, by [`Simplifier::Progressive`] a bound of how far any point of the LoD lies from the point of the reference
+    /// with the same place in T3.
     pub error: f32,
     /// Triangles that lie the other way round in T3 than their part of the reference.
     pub turned: u32,
@@ -81,6 +101,15 @@ pub fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>
     chains_in_motion(meshes, &[], fractions)
 }
 
+/// The same by progressive meshes: levels are nested, and their error is a bound.
+///
+/// # Errors
+/// As [`chains`].
+pub fn nested_chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>>> {
+    check(fractions)?;
+    Ok(nested::chains(meshes, fractions))
+}
+
 /// The same of a model that moves: `shapes` has, for each mesh, its vertices' positions in up to [`MOST_POSES`] poses, none
 /// for a mesh that nothing deforms. LoDs keep vertices where it bends.
 ///
@@ -91,14 +120,7 @@ pub fn chains_in_motion(
     shapes: &[Vec<Shape>],
     fractions: &[f32],
 ) -> Result<Vec<Vec<Lod>>> {
-    if let Some(bad) = fractions.iter().find(|f| !(**f > 0.0 && **f < 1.0)) {
-        return Err(Error::Option {
-            option: "--lods",
-            reason: format!(
-                "{bad} is not a fraction of the triangles: between 0 and 1, both excluded, such as 0.5,0.2,0.05"
-            ),
-        });
-    }
+    check(fractions)?;
     let joint = joint::Joint::new(meshes, shapes);
     let order = order::Order::new(&joint);
     let carries: Vec<Option<carry::Carry>> = meshes.par_iter().map(carry::Carry::new).collect();
@@ -124,6 +146,19 @@ pub fn chains_in_motion(
         keep_present(meshes, &joint, m, chain, (fractions, carries[m].as_ref()));
     }
     Ok(chains)
+}
+
+/// Refuses fractions that are none.
+fn check(fractions: &[f32]) -> Result<()> {
+    if let Some(bad) = fractions.iter().find(|f| !(**f > 0.0 && **f < 1.0)) {
+        return Err(Error::Option {
+            option: "--lods",
+            reason: format!(
+                "{bad} is not a fraction of the triangles: between 0 and 1, both excluded, such as 0.5,0.2,0.05"
+            ),
+        });
+    }
+    Ok(())
 }
 
 /// Fills empty levels with the next finer one that is not, at last with the reference's own geometry.

@@ -10,7 +10,7 @@ use super::{Lod, LodInput};
 use crate::mesh::smooth_normals;
 use crate::param::PrimaryKind;
 use crate::param::fit_surface::t3_facing;
-use glam::DVec3;
+use glam::{DMat4, DVec3};
 
 /// Mesh `m`'s share of `simplified`.
 pub(super) fn split(
@@ -49,7 +49,9 @@ pub(super) fn split(
         }
     }
     lod.normals = smooth_normals(&lod.positions, &lod.triangles);
-    lod.turned = turned(&lod, &meshes[m], joint, &vertices);
+    lod.turned = turned(&lod, &meshes[m], |v| {
+        joint.origins[vertices[v as usize] as usize].part
+    });
     lod
 }
 
@@ -60,7 +62,10 @@ fn has_area(simplified: &Simplified, t: &[u32; 3]) -> bool {
 }
 
 /// Triangles in vertex-cache order over vertices in the order of their first use, and the old numbers of those.
-fn cache_order(triangles: &[[u32; 3]], vertex_count: usize) -> (Vec<[u32; 3]>, Vec<u32>) {
+pub(super) fn cache_order(
+    triangles: &[[u32; 3]],
+    vertex_count: usize,
+) -> (Vec<[u32; 3]>, Vec<u32>) {
     if triangles.is_empty() {
         return (vec![], vec![]);
     }
@@ -124,8 +129,7 @@ fn push_vertex(
 
 /// The simplifier's error in object units of mesh `m`; finite.
 fn error(joint: &Joint, simplified: &Simplified, m: usize) -> f32 {
-    let world_per_object = joint.worlds[m].determinant().abs().cbrt();
-    let error = f64::from(simplified.error) / world_per_object;
+    let error = f64::from(simplified.error) / per_object_unit(&joint.worlds[m]);
     if error.is_nan() {
         f32::MAX
     } else {
@@ -133,8 +137,14 @@ fn error(joint: &Joint, simplified: &Simplified, m: usize) -> f32 {
     }
 }
 
-/// Counts triangles whose T3 orientation is not the reference's: of their chart for a uv set, of the mesh otherwise.
-fn turned(lod: &Lod, input: &LodInput<'_>, joint: &Joint, vertices: &[u32]) -> u32 {
+/// How many units of the world a unit of an object is.
+pub(super) fn per_object_unit(world: &DMat4) -> f64 {
+    world.determinant().abs().cbrt()
+}
+
+/// Counts triangles whose T3 orientation is not the reference's: of their chart for a uv set, of the mesh otherwise. `part`
+/// is that of each vertex of the LoD.
+pub(super) fn turned(lod: &Lod, input: &LodInput<'_>, part: impl Fn(u32) -> u32) -> u32 {
     let by_chart = !input.primary.is_seamless();
     let slot = |part: u32| if by_chart { part as usize } else { 0 };
     let kind = input.primary.kind;
@@ -148,9 +158,8 @@ fn turned(lod: &Lod, input: &LodInput<'_>, joint: &Joint, vertices: &[u32]) -> u
         sums[slot(input.parts.triangle_part[t])] += t3_facing(kind, &corners).1;
     }
     let is_turned = |t: &&[u32; 3]| {
-        let part = joint.origins[vertices[t[0] as usize] as usize].part;
         let corners = t.map(|v| lod.t3[v as usize].map(f64::from));
-        t3_facing(kind, &corners).0 * sums[slot(part)] < 0.0
+        t3_facing(kind, &corners).0 * sums[slot(part(t[0]))] < 0.0
     };
     lod.triangles.iter().filter(is_turned).count() as u32
 }

@@ -1,0 +1,159 @@
+//! LoDs of progressive meshes: one budget over all of them, levels nested.
+//!
+//! In: meshes and fractions. Out: chains, each level a prefix of its mesh's collapses. The next collapse of the whole model is
+//! the cheapest of all meshes', in world units; so a level is cut at one price everywhere.
+
+use super::carry::{Carry, Sides};
+use super::joint::world;
+use super::progressive::{Made, Progressive};
+use super::split::{cache_order, per_object_unit, turned};
+use super::{Lod, LodInput};
+use crate::mesh::smooth_normals;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// A mesh simplifies on by this factor below its own share of the coarsest level: others may need the triangles more.
+const BEYOND: f64 = 8.0;
+
+/// The chains of a model by progressive meshes: `result[m][k]` is mesh `m` at `fractions[k]` of the whole model's triangles.
+pub(super) fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Vec<Vec<Lod>> {
+    let coarsest = fractions.iter().copied().fold(1.0, f32::min);
+    let histories: Vec<Progressive> = meshes
+        .par_iter()
+        .map(|input| {
+            let share = input.mesh.triangles.len() as f64 * f64::from(coarsest);
+            Progressive::new(input, (share / BEYOND) as usize)
+        })
+        .collect();
+    let order = Order::new(meshes, &histories);
+    let levels: Vec<Level> = fractions.iter().map(|&f| order.level(f)).collect();
+    (0..meshes.len())
+        .into_par_iter()
+        .map(|m| {
+            let carry = Carry::new(&meshes[m]);
+            let lod = |level: &Level| Lod {
+                reached: level.reached,
+                ..lod(
+                    &meshes[m],
+                    &histories[m],
+                    level.collapses[m],
+                    carry.as_ref(),
+                )
+            };
+            levels.iter().map(lod).collect()
+        })
+        .collect()
+}
+
+/// All collapses of a model in one order.
+struct Order {
+    /// Mesh and triangles lost, cheapest first.
+    steps: Vec<(usize, usize)>,
+    meshes: usize,
+    /// Triangles before the first of them.
+    triangles: usize,
+    /// Triangles that fractions are fractions of.
+    reference: usize,
+}
+
+/// How many collapses each mesh has come to.
+struct Level {
+    collapses: Vec<usize>,
+    /// Whether the triangles asked for were reached.
+    reached: bool,
+}
+
+impl Order {
+    fn new(meshes: &[LodInput<'_>], histories: &[Progressive]) -> Self {
+        let mut priced: Vec<(f64, usize, usize)> = Vec::new();
+        for (m, (input, history)) in meshes.iter().zip(histories).enumerate() {
+            let unit = per_object_unit(&world(input));
+            let lost = history.lost();
+            priced.extend(
+                history
+                    .collapses
+                    .iter()
+                    .zip(lost)
+                    .map(|(c, lost)| (c.price * unit, m, lost)),
+            );
+        }
+        // Stable: the steps of a mesh, whose prices never fall, stay in order.
+        priced.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Order {
+            steps: priced.into_iter().map(|(_, m, lost)| (m, lost)).collect(),
+            meshes: meshes.len(),
+            triangles: histories.iter().map(|h| h.after(0).count()).sum(),
+            reference: meshes.iter().map(|input| input.mesh.triangles.len()).sum(),
+        }
+    }
+
+    fn level(&self, fraction: f32) -> Level {
+        let target = ((self.reference as f64 * f64::from(fraction)).round() as usize).max(1);
+        let mut collapses = vec![0; self.meshes];
+        let mut triangles = self.triangles;
+        for &(m, lost) in &self.steps {
+            if triangles <= target {
+                break;
+            }
+            collapses[m] += 1;
+            triangles -= lost;
+        }
+        Level {
+            collapses,
+            reached: triangles <= target,
+        }
+    }
+}
+
+/// A mesh after so many of its collapses.
+fn lod(
+    input: &LodInput<'_>,
+    history: &Progressive,
+    collapses: usize,
+    carry: Option<&Carry>,
+) -> Lod {
+    let mesh = input.mesh;
+    let position = |v: u32| mesh.positions[history.place[v as usize] as usize];
+    let has_area = |t: &&Made| {
+        let [a, b, c] = t.corners.map(|v| DVec3::from(position(v).map(f64::from)));
+        (b - a).cross(c - a) != DVec3::ZERO
+    };
+    let made: Vec<&Made> = history.after(collapses).filter(has_area).collect();
+    let corners: Vec<[u32; 3]> = made.iter().map(|t| t.corners).collect();
+    let (triangles, vertices) = cache_order(&corners, mesh.positions.len());
+    // A vertex has one part and layer: parts are welded as the surface is.
+    let mut layer = vec![0; mesh.positions.len()];
+    for t in &made {
+        t.corners.iter().for_each(|&v| layer[v as usize] = t.layer);
+    }
+    let layer_of = |t: &[u32; 3]| layer[vertices[t[0] as usize] as usize];
+    let mut lod = Lod {
+        triangle_layer: triangles.iter().map(layer_of).collect(),
+        triangles,
+        error: made.iter().map(|t| t.deviation.total).fold(0.0, f32::max),
+        ..Lod::default()
+    };
+    let part = part_of_vertices(input, history);
+    let mut sides = Sides::new();
+    for &v in &vertices {
+        lod.positions.push(position(v));
+        let t3 = input.primary.t3_of(mesh, v as usize);
+        lod.t3.push(input.primary.to_grid(t3));
+        if let Some(carry) = carry {
+            carry.push(&mut lod, &mut sides, (v, part[v as usize]), position(v));
+        }
+    }
+    lod.normals = smooth_normals(&lod.positions, &lod.triangles);
+    lod.turned = turned(&lod, input, |v| part[vertices[v as usize] as usize]);
+    lod
+}
+
+/// The part of each vertex of the surface.
+fn part_of_vertices(input: &LodInput<'_>, history: &Progressive) -> Vec<u32> {
+    let mut part = vec![0; input.mesh.positions.len()];
+    for (made, t) in history.after(0).zip(&history.reference) {
+        let of = input.parts.triangle_part[*t as usize];
+        made.corners.iter().for_each(|&v| part[v as usize] = of);
+    }
+    part
+}

@@ -1,0 +1,384 @@
+//! Progressive meshes: every prefix is a surface, and what is said of its deviation holds.
+
+use glam::DVec3;
+use invertex::lod::deviation::deviation;
+use invertex::lod::progressive::{Made, Progressive, deviation_of};
+use invertex::lod::{LodInput, nested_chains};
+use invertex::mesh::{Mesh, shapes};
+use invertex::param::projection::{hit, orientation};
+use invertex::param::{Axis, Parts, Primary, PrimaryKind, PrimaryRequest, parameterize, parts};
+use std::collections::{HashMap, HashSet};
+
+struct Model {
+    mesh: Mesh,
+    primary: Primary,
+    parts: Parts,
+}
+
+impl Model {
+    fn new(mesh: Mesh, kind: PrimaryKind) -> Self {
+        let primary = Primary::centred(kind, &mesh).unwrap();
+        let parts = parts(&mesh, &primary);
+        Model {
+            mesh,
+            primary,
+            parts,
+        }
+    }
+
+    fn computed(mesh: &Mesh, request: &str) -> Self {
+        let chosen = parameterize(mesh, &request.parse::<PrimaryRequest>().unwrap()).unwrap();
+        let mesh = chosen.computed.unwrap().embedding.cut_open(mesh);
+        let parts = parts(&mesh, &chosen.primary);
+        Model {
+            mesh,
+            primary: chosen.primary,
+            parts,
+        }
+    }
+
+    fn progressive(&self, least: usize) -> Progressive {
+        Progressive::new(&self.input(), least)
+    }
+
+    fn input(&self) -> LodInput<'_> {
+        LodInput {
+            mesh: &self.mesh,
+            primary: &self.primary,
+            parts: &self.parts,
+            world: glam::Mat4::IDENTITY.to_cols_array_2d(),
+        }
+    }
+
+    fn grid(&self, v: u32) -> [i32; 3] {
+        let t3 = self.primary.t3_of(&self.mesh, v as usize);
+        self.primary.to_grid(t3)
+    }
+
+    fn position(&self, v: u32) -> DVec3 {
+        DVec3::from(self.mesh.positions[v as usize].map(f64::from))
+    }
+}
+
+/// A ball with hills.
+fn hilly(subdivisions: u32) -> Mesh {
+    let mut mesh = shapes::icosphere(subdivisions);
+    for p in &mut mesh.positions {
+        let wave = |x: f32, y: f32| (5.0 * x + 1.0).sin() * (4.0 * y).cos();
+        let r = 1.0 + 0.12 * wave(p[0], p[1]) + 0.07 * wave(p[2], p[0] + 2.0);
+        *p = p.map(|x| x * r);
+    }
+    mesh
+}
+
+/// A sheet with hills, whose uv is squeezed towards one side.
+fn squeezed(n: u32) -> Mesh {
+    let mut mesh = shapes::grid(n);
+    for (p, uv) in mesh.positions.iter_mut().zip(&mut mesh.uv_sets[0]) {
+        p[2] += 0.1 * (4.0 * p[0]).sin() * (3.0 * p[1]).cos();
+        uv[0] = uv[0] * uv[0] * 0.6 + 0.3 * uv[0];
+    }
+    mesh
+}
+
+/// A tube whose radius varies.
+fn bellied(segments: u32, rings: u32) -> Mesh {
+    let mut mesh = shapes::tube(segments, rings);
+    let axis = 2;
+    for p in &mut mesh.positions {
+        let r = 1.0 + 0.25 * (3.0 * p[axis]).sin();
+        (p[0], p[1]) = (p[0] * r, p[1] * r);
+    }
+    mesh
+}
+
+fn models() -> Vec<(&'static str, Model)> {
+    vec![
+        ("sphere", Model::new(hilly(3), PrimaryKind::Sphere)),
+        ("sphere:map", Model::computed(&hilly(2), "sphere:map")),
+        (
+            "plane",
+            Model::new(squeezed(20), PrimaryKind::Plane(Axis::Z)),
+        ),
+        ("uv", Model::new(squeezed(20), PrimaryKind::UvSet(0))),
+        (
+            "uv seam",
+            Model::new(bellied(24, 12), PrimaryKind::UvSet(0)),
+        ),
+        (
+            "cylinder",
+            Model::new(bellied(24, 12), PrimaryKind::Cylinder(Axis::Z)),
+        ),
+        ("charts", Model::computed(&hilly(3), "lscm")),
+    ]
+}
+
+/// Prefixes that are looked at: of all collapses none, half, nine tenths, and all.
+fn prefixes(progressive: &Progressive) -> [usize; 4] {
+    let all = progressive.collapses.len();
+    [0, all / 2, all * 9 / 10, all]
+}
+
+/// How often each directed edge between places is there.
+fn edges(progressive: &Progressive, triangles: &[Made]) -> HashMap<[u32; 2], u32> {
+    let mut edges = HashMap::new();
+    for t in triangles {
+        let places = t.corners.map(|v| progressive.place[v as usize]);
+        for k in 0..3 {
+            *edges.entry([places[k], places[(k + 1) % 3]]).or_insert(0) += 1;
+        }
+    }
+    edges
+}
+
+/// Borders and Euler's number.
+fn shape_of(progressive: &Progressive, triangles: &[Made]) -> (usize, i64) {
+    let edges = edges(progressive, triangles);
+    assert!(edges.values().all(|&n| n == 1), "an edge is there twice");
+    let rims = edges
+        .keys()
+        .filter(|[a, b]| !edges.contains_key(&[*b, *a]))
+        .count();
+    let mut places: Vec<u32> = edges.keys().map(|e| e[0]).collect();
+    places.sort_unstable();
+    places.dedup();
+    let whole = (edges.len() + rims) / 2;
+    (
+        rims,
+        places.len() as i64 - whole as i64 + triangles.len() as i64,
+    )
+}
+
+#[test]
+fn every_prefix_is_the_same_surface_and_faces_its_lines() {
+    for (name, model) in models() {
+        let progressive = model.progressive(0);
+        let line = model.primary.line();
+        let sense = |t: &Made| orientation(line, &t.corners.map(|v| model.grid(v)));
+        let (mut euler, mut borders) = (None, None);
+        for collapses in prefixes(&progressive) {
+            let triangles: Vec<Made> = progressive.after(collapses).copied().collect();
+            let (rims, number) = shape_of(&progressive, &triangles);
+            assert_eq!(
+                *euler.get_or_insert(number),
+                number,
+                "{name} after {collapses}"
+            );
+            assert_eq!(
+                *borders.get_or_insert(rims > 0),
+                rims > 0,
+                "{name} after {collapses}"
+            );
+            let turned = triangles
+                .iter()
+                .filter(|t| sense(t) != sense(&triangles[0]))
+                .count();
+            assert_eq!(turned, 0, "{name} after {collapses}");
+        }
+        let left = progressive.after(progressive.collapses.len()).count();
+        let first = progressive.after(0).count();
+        assert!(left * 8 < first, "{name}: {left} of {first} are left");
+    }
+}
+
+/// A number in 0..1 for each index.
+fn spread(i: u64) -> f64 {
+    (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// The largest distance between points of a triangle and those of the reference that they stand for, sampled, found by asking
+/// every triangle of the reference.
+fn sampled(model: &Model, t: &Made, samples: u64) -> f64 {
+    let line = model.primary.line();
+    let corners = t.corners.map(|v| model.grid(v));
+    let own = orientation(line, &corners);
+    let mut largest = 0.0f64;
+    for i in 0..samples {
+        let (u, v) = (spread(i * 2 + 1), spread(i * 2 + 2).sqrt());
+        let b = [1.0 - v, v * (1.0 - u), v * u];
+        let t3 = [0, 1, 2].map(|k| (0..3).map(|c| f64::from(corners[c][k]) * b[c]).sum::<f64>());
+        let q = t3.map(|x| (x * 64.0).round() as i32);
+        let here: DVec3 = (0..3).map(|c| model.position(t.corners[c]) * b[c]).sum();
+        let of = |r: &[u32; 3]| {
+            let met = hit(line, q, &r.map(|v| model.grid(v)))?;
+            let b = met.barycentric().map(f64::from);
+            let there: DVec3 = (0..3).map(|c| model.position(r[c]) * b[c]).sum();
+            (met.sense == own).then_some(there.distance(here))
+        };
+        let nearest = model
+            .mesh
+            .triangles
+            .iter()
+            .filter_map(of)
+            .fold(f64::INFINITY, f64::min);
+        if nearest.is_finite() {
+            largest = largest.max(nearest);
+        }
+    }
+    largest
+}
+
+#[test]
+fn no_sample_lies_farther_than_the_bound_and_the_bound_is_tight() {
+    for (name, model) in models() {
+        let progressive = model.progressive(0);
+        let (mut triangles, mut tight) = (0, 0);
+        for collapses in prefixes(&progressive) {
+            let made: Vec<Made> = progressive
+                .after(collapses)
+                .filter(|t| t.made.is_some())
+                .copied()
+                .collect();
+            let step = made.len() / 40 + 1;
+            for t in made.iter().step_by(step) {
+                let bound = f64::from(t.deviation.total);
+                let found = sampled(&model, t, 60);
+                // Queries are rounded to the grid, and answers to 2^-21.
+                assert!(found <= bound + 3e-6, "{name}: {found} over {bound}");
+                let parts = f64::from(t.deviation.tangential).hypot(f64::from(t.deviation.normal));
+                assert!(parts >= bound * (1.0 - 1e-5), "{name}");
+                triangles += 1;
+                tight += usize::from(found >= 0.5 * bound);
+            }
+        }
+        // Sixty samples seldom meet the maximum; that bounds are not idle shows all the same.
+        assert!(
+            tight * 10 >= triangles * 7,
+            "{name}: {tight} of {triangles}"
+        );
+    }
+}
+
+/// Two balls, the second twice as large as its mesh: it gets more triangles, at the same deviation in the world.
+#[test]
+fn chains_are_nested_and_share_one_budget() {
+    let models = [1.0f32, 2.0].map(|scale| (scale, Model::new(hilly(3), PrimaryKind::Sphere)));
+    let inputs: Vec<LodInput> = models
+        .iter()
+        .map(|(scale, model)| LodInput {
+            world: glam::Mat4::from_scale(glam::Vec3::splat(*scale)).to_cols_array_2d(),
+            ..model.input()
+        })
+        .collect();
+    let fractions = [0.1, 0.4];
+    let chains = nested_chains(&inputs, &fractions).unwrap();
+    let whole: usize = inputs.iter().map(|input| input.mesh.triangles.len()).sum();
+    for (k, fraction) in fractions.iter().enumerate() {
+        let triangles: usize = chains.iter().map(|chain| chain[k].triangles.len()).sum();
+        let asked = (whole as f64 * f64::from(*fraction)).round();
+        assert!(
+            (triangles as f64 - asked).abs() <= 2.0,
+            "{triangles} of {asked}"
+        );
+        assert!(chains[1][k].triangles.len() > chains[0][k].triangles.len());
+        let errors = [chains[0][k].error, chains[1][k].error * 2.0];
+        assert!(
+            errors[0] / errors[1] < 1.5 && errors[1] / errors[0] < 1.5,
+            "{errors:?}"
+        );
+        assert!(
+            chains
+                .iter()
+                .all(|chain| chain[k].reached && chain[k].turned == 0)
+        );
+    }
+    for chain in &chains {
+        let fine: HashSet<_> = chain[1]
+            .positions
+            .iter()
+            .map(|p| p.map(f32::to_bits))
+            .collect();
+        assert!(
+            chain[0]
+                .positions
+                .iter()
+                .all(|p| fine.contains(&p.map(f32::to_bits)))
+        );
+        assert!(chain[0].error > chain[1].error);
+    }
+    assert_eq!(nested_chains(&inputs, &[0.0]).unwrap_err().exit_code(), 2);
+}
+
+/// What the chord of a rim leaves out has no point in common with the surface, and counts all the same.
+#[test]
+fn a_rim_that_is_cut_short_counts() {
+    let mut mesh = shapes::grid(12);
+    let (low, high) = (mesh.positions[0], mesh.positions[mesh.positions.len() - 1]);
+    // One side of the sheet is a wave in its own plane: chords along it cut off crests.
+    for p in &mut mesh.positions {
+        let share = (p[1] - low[1]) / (high[1] - low[1]);
+        p[1] += 0.1 * share * (12.0 * p[0]).sin();
+    }
+    let model = Model::new(mesh, PrimaryKind::Plane(Axis::Z));
+    let progressive = model.progressive(0);
+    let last: Vec<&Made> = progressive.after(progressive.collapses.len()).collect();
+    assert!(last.len() < 20);
+    let bound = last.iter().map(|t| t.deviation.total).fold(0.0, f32::max);
+    let triangles: Vec<[u32; 3]> = last.iter().map(|t| t.corners).collect();
+    let positions = &model.mesh.positions;
+    let found = deviation((positions, &model.mesh.triangles), (positions, &triangles)).max;
+    // The plane itself is at no distance: all of it is the rim's.
+    assert!(
+        found > 0.01 && found <= bound,
+        "{found} with a bound of {bound}"
+    );
+}
+
+#[test]
+fn the_same_mesh_gives_the_same_history() {
+    let model = Model::new(hilly(3), PrimaryKind::Sphere);
+    let one = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .unwrap();
+    assert_eq!(model.progressive(0), one.install(|| model.progressive(0)));
+}
+
+/// The globe of the paper's figure 1, of radius 1, and the triangle beside the polar edge of the inscribed icosahedron, a pole
+/// on the middle of that edge: over longitude and latitude a place of the texture is displaced by half an edge (0.5257; about 2,080
+/// miles), over the sphere by the sag of a face (0.2053) and no more.
+#[test]
+fn the_globe_over_longitude_and_latitude_and_over_the_sphere() {
+    let golden = (1.0 + 5f64.sqrt()) / 2.0;
+    let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z).normalize();
+    // The edge passes the pole; the third corner lies on the equator's far side of it.
+    let corners = [
+        corner(0.0, 1.0, golden),
+        corner(0.0, -1.0, golden),
+        corner(golden, 0.0, 1.0),
+    ];
+    let half_edge = (corners[0] - corners[1]).length() / 2.0;
+    assert!((half_edge - 0.5257).abs() < 1e-4);
+    let globe = shapes::uv_sphere(256, 128);
+    let uv_of = |p: DVec3| {
+        let near = |v: &usize| DVec3::from(globe.positions[*v].map(f64::from)).distance(p);
+        let v = (0..globe.positions.len())
+            .min_by(|a, b| near(a).total_cmp(&near(b)))
+            .unwrap();
+        globe.uv_sets[0][v]
+    };
+    // Not across the seam: there the triangle would have to be taken apart.
+    let mut triangle = corners;
+    let turn = glam::DMat3::from_rotation_z(std::f64::consts::PI);
+    let spans = |t: &[DVec3; 3]| {
+        let u = t.map(|p| uv_of(p)[0]);
+        u[0].max(u[1]).max(u[2]) - u[0].min(u[1]).min(u[2])
+    };
+    if spans(&triangle) > 0.6 {
+        triangle = triangle.map(|p| turn * p);
+    }
+    assert!((spans(&triangle) - 0.5).abs() < 1e-6);
+    let positions = triangle.map(|p| p.as_vec3().to_array());
+    let deviation = |kind: PrimaryKind, place: &dyn Fn(DVec3) -> [f64; 3]| {
+        let model = Model::new(globe.clone(), kind);
+        let t3 = triangle.map(|p| model.primary.to_grid(place(p)));
+        f64::from(deviation_of(&model.input(), t3, positions).total)
+    };
+    let uv = deviation(PrimaryKind::UvSet(0), &|p| {
+        let [u, v] = uv_of(p).map(f64::from);
+        [u, v, 0.0]
+    });
+    let sphere = deviation(PrimaryKind::Sphere, &|p| p.to_array());
+    assert!((uv - half_edge).abs() < 0.01, "{uv}");
+    assert!((sphere - 0.2053).abs() < 0.002, "{sphere}");
+}
