@@ -148,3 +148,44 @@ fn what_is_finished_before_a_fault_stays() {
     let left = std::fs::read_dir(&out).unwrap().count();
     assert_eq!(left, 2, "nothing half written");
 }
+
+/// A disk that is full after the first texture: that one is whole, nothing half written lies about, the message names the file.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_loses_nothing_that_was_finished() {
+    let folder = Folder::new();
+    let (high, low) = (
+        folder.write("high.glb", &ball(16)),
+        folder.write("low.glb", &ball(6)),
+    );
+    let out = folder.at("out");
+    // No file may be larger than 16 KiB; the shell leaves it to the program to notice.
+    let limited = "trap '' XFSZ; ulimit -f 32; exec \"$@\"";
+    let mut command = std::process::Command::new("sh");
+    command.args([
+        "-c",
+        limited,
+        "sh",
+        env!("CARGO_BIN_EXE_invertex"),
+        "bake",
+        &high,
+        &low,
+        "-o",
+        &out,
+    ]);
+    command.args(["--device", "cpu", "--size", "256", "--memory", "0"]);
+    command.args(["--attributes", "shadow,normal,height"]);
+    let run = cli_support::run(command).fails(3, &["ball_normal.png"]);
+    assert!(run.stdout.is_empty());
+    let shadow = image::open(format!("{out}/ball_shadow.png")).unwrap();
+    assert_eq!(shadow.width(), 256);
+    let left = std::fs::read_dir(&out).unwrap().count();
+    assert_eq!(left, 1, "the one that was finished, and nothing else");
+    // The negative control: without the limit all of it fits.
+    let arguments = [
+        "bake", &high, &low, "-o", &out, "--device", "cpu", "--size", "256",
+    ];
+    invertex(&[&arguments[..], &["--attributes", "shadow,normal,height"]].concat()).ok();
+    let normal = std::fs::metadata(format!("{out}/ball_normal.png")).unwrap();
+    assert!(normal.len() > 32 * 512);
+}

@@ -2,12 +2,13 @@
 
 mod pair;
 
-use invertex::Result;
+use invertex::asset::Progress;
 use invertex::mesh::{Mesh, shapes};
 use invertex::output::{TexturedMesh, encode_glb};
 use invertex::recover::{BakeAttribute, Baked, Mapping, Misses, Pair, PairSettings};
 use invertex::render::Renderer;
 use invertex::scene::Scene;
+use invertex::{Error, Result};
 use pair::{Quiet, placed, plane, scene};
 
 const UPRIGHT: [[f32; 4]; 4] = [
@@ -284,4 +285,70 @@ fn tiles_that_cannot_be_are_refused() {
         );
         assert!(refused(&low).contains("no UDIM number"), "{by:?}");
     }
+}
+
+/// Somebody who ends the work after so many words.
+struct Until(std::cell::Cell<u32>);
+
+// The walk asks from the thread that began it.
+impl Progress for Until {
+    fn at(&self, _: &'static str, _: &str, _: usize, _: usize) {
+        self.0.set(self.0.get().saturating_sub(1));
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.get() == 0
+    }
+}
+
+/// One texture at a time or all at once: the same texels; and what was handed over before a cancel stays.
+#[test]
+fn little_memory_makes_the_same_textures_one_by_one() {
+    let (high, low) = (scene("high", &shapes::icosphere(4)), shapes::icosphere(2));
+    let low = scene(
+        "low",
+        &Mesh {
+            uv_sets: vec![],
+            tangents: vec![],
+            ..low
+        },
+    );
+    let attributes = [
+        BakeAttribute::Normal,
+        BakeAttribute::Position,
+        BakeAttribute::Curvature,
+        BakeAttribute::Mapping,
+    ];
+    let with = |memory: u64| PairSettings {
+        attributes: attributes.to_vec(),
+        memory,
+        padding: 3,
+        ..settings(Mapping::Normal)
+    };
+    let (all, single) = (with(1 << 30), with(1));
+    let draw = |picture| Ok(Renderer::cpu(picture));
+    let once = Pair::new(&high, &low, &all, &draw, &Quiet)
+        .unwrap()
+        .bake(0, &Quiet)
+        .unwrap();
+    let mut pair = Pair::new(&high, &low, &single, &draw, &Quiet).unwrap();
+    let by_one = pair.bake(0, &Quiet).unwrap();
+    assert_eq!((once.mask.len(), by_one.textures.len()), (64 * 64, 4));
+    assert_eq!((&once.mask, once.filled), (&by_one.mask, by_one.filled));
+    for (a, b) in once.textures.iter().zip(&by_one.textures) {
+        assert_eq!((&a.attribute, &a.values), (&b.attribute, &b.values));
+    }
+    // Each walk says one word: the third is never begun.
+    let mut handed = Vec::new();
+    let until = Until(2.into());
+    let outcome = pair.bake_each(0, &until, &mut |texture| {
+        handed.push(texture);
+        Ok(())
+    });
+    assert!(matches!(outcome, Err(Error::Cancelled)));
+    assert_eq!(handed.len(), 2);
+    assert_eq!(handed[1].values, once.textures[1].values);
+    // Whoever takes textures may end the work as well.
+    let full = pair.bake_each(0, &Quiet, &mut |_| Err(Error::Cancelled));
+    assert!(matches!(full, Err(Error::Cancelled)));
 }

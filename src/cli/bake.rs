@@ -93,6 +93,9 @@ pub(super) struct Bake {
     /// Texels that borders grow by.
     #[arg(long, value_name = "N", default_value_t = 8)]
     pub(super) padding: u32,
+    /// MiB of texels that are made at once, at 16 bytes each; at least one texture is. Less is slower, the files are the same.
+    #[arg(long, value_name = "MIB", default_value_t = 1024)]
+    pub(super) memory: u64,
     /// PNG, or also linear floats.
     #[arg(long, value_enum, default_value_t = Format::Png)]
     pub(super) format: Format,

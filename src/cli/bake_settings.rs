@@ -45,6 +45,7 @@ impl Bake {
             size,
             samples: self.samples.unwrap_or(2),
             padding: self.padding,
+            memory: self.memory.saturating_mul(1 << 20),
             shown: self.computed.options()?,
             around: self.surroundings.options()?,
         })
@@ -81,6 +82,7 @@ impl Bake {
             size,
             samples: self.samples.unwrap_or(1),
             padding: self.padding,
+            memory: self.memory.saturating_mul(1 << 20),
             shown: self.computed.options()?,
             around: self.surroundings.options()?,
         })

@@ -39,6 +39,9 @@ pub struct BakeSettings {
     pub samples: u32,
     /// Texels that borders grow by, 0 to 256.
     pub padding: u32,
+    /// Bytes of texels that are made in one walk over the surface, at 16 each; at least one texture is. Where there are more,
+    /// another walk makes the next ones: less memory for more time, the same texels.
+    pub memory: u64,
     /// Of attributes that are computed.
     pub shown: ShownOptions,
     /// Of attributes that depend on what lies round a point.
@@ -54,6 +57,7 @@ impl Default for BakeSettings {
             size: 1024,
             samples: 2,
             padding: 8,
+            memory: 1 << 30,
             shown: ShownOptions::default(),
             around: AroundOptions::default(),
         }
@@ -212,6 +216,7 @@ fn fineness(settings: &BakeSettings) -> Fineness {
         size: settings.size,
         samples: settings.samples,
         padding: settings.padding,
+        memory: settings.memory,
         fill: true,
     }
 }

@@ -47,6 +47,9 @@ pub struct PairSettings {
     pub samples: u32,
     /// Texels that borders grow by, 0 to 256.
     pub padding: u32,
+    /// Bytes of texels that are made in one walk over the surface, at 16 each; at least one texture is. Where there are more,
+    /// another walk makes the next ones: less memory for more time, the same texels.
+    pub memory: u64,
     /// Of attributes that are computed.
     pub shown: ShownOptions,
     /// Of attributes that depend on what lies round a point.
@@ -64,6 +67,7 @@ impl Default for PairSettings {
             size: 1024,
             samples: 1,
             padding: 8,
+            memory: 1 << 30,
             shown: ShownOptions::default(),
             around: AroundOptions::default(),
         }
@@ -301,6 +305,7 @@ fn fineness(settings: &PairSettings) -> Fineness {
         size: settings.size,
         samples: settings.samples,
         padding: settings.padding,
+        memory: settings.memory,
         fill: true,
     }
 }

@@ -3,8 +3,9 @@
 //! In: a [`Surface`], made-ready [`Source`]s. Out: [`Baked`], and each texture as soon as it is finished. Texels are worked on
 //! in bands of rows, all cores at once; the same settings give the same texels on any number of them.
 //!
-//! Memory is bounded whatever is asked for: as many textures are made in one walk as [`ROOM`] has room for, at least one, and
-//! another walk makes the next ones. At 8192 x 8192 texels a texture takes 1 GiB while it is made.
+//! Memory is bounded whatever is asked for: as many textures are made in one walk as are allowed room for, at least one, and
+//! another walk makes the next ones. At 8192 x 8192 texels a texture takes 1 GiB while it is made, and what is known of texels
+//! a tenth of that.
 
 use super::around::{Around, Looking};
 use super::fill::{Grown, growth};
@@ -21,8 +22,6 @@ use std::ops::Range;
 pub(super) const BAND: u32 = 16;
 /// The largest texture's side.
 const MOST: u32 = 8192;
-/// Bytes of values that are made in one walk, unless one texture takes more.
-const ROOM: usize = 1 << 30;
 
 /// A surface that textures are made for, and the way from it to the reference.
 pub(super) trait Surface: Sync {
@@ -63,6 +62,8 @@ pub(super) struct Fineness {
     pub(super) size: u32,
     pub(super) samples: u32,
     pub(super) padding: u32,
+    /// Bytes of values that are made in one walk, unless one texture takes more.
+    pub(super) memory: u64,
     /// Whether texels on the surface without a point take their neighbours' values, as those off it do; else they stay
     /// transparent.
     pub(super) fill: bool,
@@ -122,8 +123,8 @@ pub(super) fn resample(
     finished: Taker,
 ) -> Result<Baked> {
     let constants = constants();
-    let texels = fineness.size as usize * fineness.size as usize;
-    let at_once = (ROOM / (texels * size_of::<[f32; 4]>())).max(1);
+    let texture = u64::from(fineness.size).pow(2) * size_of::<[f32; 4]>() as u64;
+    let at_once = (fineness.memory / texture).clamp(1, sources.len().max(1) as u64) as usize;
     let mut baked = Baked::default();
     for sources in sources.chunks(at_once) {
         let walk = Walk {
