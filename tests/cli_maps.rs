@@ -27,7 +27,14 @@ fn computed_maps_are_listed_and_drawn() {
         .collect();
     assert_eq!(
         kinds,
-        ["lscm", "abf", "isochart", "geometry-image", "sphere:map"]
+        [
+            "lscm",
+            "abf",
+            "isochart",
+            "geometry-image",
+            "sphere:map",
+            "cylinder:map"
+        ]
     );
     for one in asked {
         assert_eq!(one["possible"], true, "{one:#}");

@@ -38,7 +38,7 @@ impl Surface {
             name: format!("{map} of {}", mesh.name),
             primary,
             reference: Reference::new(&open, &primary, &layer, Layout::Packed).unwrap(),
-            closed: !map.has_charts(),
+            closed: map.line() == Line::Sphere,
         }
     }
 
@@ -90,7 +90,9 @@ impl Surface {
                 if inner(a, b) {
                     points.extend(quarters);
                 }
-                if surrounded[&a] {
+                // About an axis a pole is the end of the domain.
+                let pole = self.primary.line() == Line::Cylinder && p[..2] == [0, 0];
+                if surrounded[&a] && !pole {
                     points.push(p);
                 }
             }

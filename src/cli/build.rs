@@ -38,6 +38,7 @@ Examples:
   invertex build boat.glb -o built.glb --primary sphere:-3.25,1.29,0.57 --hash 512
   invertex build helmet.glb -o built.glb --primary uv0 --primary Lenses_low=sphere     one mesh its own way
   invertex build scan.glb -o built.glb --primary lscm              charts, for a scan that has no uv
+  invertex build helmet.glb -o built.glb --primary Hose_low=cylinder:map          a tube, without a seam
   invertex build bottle.glb -o built.glb --ambiguous twice.csv        which triangles share a place with others
   invertex build apple.glb -o built.glb --shader-lod 256              far away one fetch does
   invertex build globe.glb -o built.glb --simplifier progressive      says how far any detail is displaced, at most
@@ -49,7 +50,7 @@ pub(super) struct Build {
     #[arg(short, long, value_name = "OUT.glb")]
     output: PathBuf,
     /// Primary parameterization: auto, uv0, uv1, .., plane[:AXIS], cylinder[:AXIS], sphere[:X,Y,Z], or computed:
-    /// lscm, abf, isochart (each with :STRETCH, 1.1 by default), geometry-image, sphere:map; or
+    /// lscm, abf, isochart (each with :STRETCH, 1.1 by default), geometry-image, sphere:map, cylinder:map; or
     /// MESH=KIND for one mesh. May be given several times.
     #[arg(long, value_name = "[MESH=]KIND", allow_hyphen_values = true)]
     primary: Vec<String>,

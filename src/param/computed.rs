@@ -6,6 +6,7 @@
 //! Source: Inverse Geometric Textures, section 2 and figure 3 (M_T = M o P o C).
 
 use super::charts::{self, Stretch};
+use super::cylindrical;
 use super::grid::Frame;
 use super::projection::Line;
 use super::spherical;
@@ -29,16 +30,19 @@ pub enum Map {
     GeometryImage,
     /// Surfaces without handles on a sphere, without a seam.
     Sphere,
+    /// Tubes on a cylinder, without a seam.
+    Cylinder,
 }
 
 impl Map {
     /// All of them.
-    pub const ALL: [Map; 5] = [
+    pub const ALL: [Map; 6] = [
         Map::Lscm,
         Map::Abf,
         Map::Isochart,
         Map::GeometryImage,
         Map::Sphere,
+        Map::Cylinder,
     ];
 
     /// The projection lines of T3 (P of the paper).
@@ -46,14 +50,16 @@ impl Map {
         match self {
             Map::Lscm | Map::Abf | Map::Isochart | Map::GeometryImage => Line::Parallel,
             Map::Sphere => Line::Sphere,
+            Map::Cylinder => Line::Cylinder,
         }
     }
 
     /// The place in T3 that a point near the map's image stands for: a LoD's vertices are moved in T3, and may leave the
-    /// sphere on which projection lines meet everything at a right angle.
+    /// sphere on which projection lines meet everything at a right angle. About an axis a place keeps its distance, which no
+    /// projection line depends on: the poles of a closed surface lie on the axis itself.
     pub fn onto(self, t3: [f64; 3]) -> [f64; 3] {
         match self {
-            Map::Lscm | Map::Abf | Map::Isochart | Map::GeometryImage => t3,
+            Map::Lscm | Map::Abf | Map::Isochart | Map::GeometryImage | Map::Cylinder => t3,
             Map::Sphere => spherical::onto(t3),
         }
     }
@@ -76,6 +82,7 @@ impl Map {
             Map::Isochart => "isochart",
             Map::GeometryImage => "geometry-image",
             Map::Sphere => "sphere:map",
+            Map::Cylinder => "cylinder:map",
         }
     }
 
@@ -103,6 +110,7 @@ impl Map {
                 charts::unwrap(mesh, self, stretch)
             }
             Map::Sphere => spherical::sphere(mesh),
+            Map::Cylinder => cylindrical::cylinder(mesh),
         }
     }
 }

@@ -15,7 +15,8 @@
 //! from where it should be, for the same distance in T3, and the more triangles crowd in some texels. A share `wrong` of the
 //! surface shows another part's colours.
 //!
-//! A map is out where its largest stretch (Linf) leaves the grid too few places: see [`COARSEST`].
+//! A map that is computed is out where its largest stretch (Linf) leaves the grid too few places: see [`COARSEST`]. In a uv set
+//! that is a sliver or two, which somebody has looked at.
 
 use super::computed::Quality;
 use serde::{Deserialize, Serialize};
@@ -28,7 +29,7 @@ const AT_SEAM: f64 = 1.316;
 /// be seen in a picture of it.
 const COARSEST: f64 = 1600.0;
 /// What has to be computed, and stored, has to be so much better than what is there.
-const GAIN: f64 = 0.9;
+const GAIN: f64 = 0.95;
 
 /// A primary that was thought of, and how it was weighed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,20 +49,33 @@ pub struct Weighed {
 }
 
 impl Weighed {
-    /// Weighs a primary over a mesh of `triangles`.
+    /// Weighs a map that was computed for a mesh of `triangles`.
+    pub(super) fn computed(kind: String, quality: Quality, triangles: usize) -> Self {
+        match quality.stretch.linf > COARSEST {
+            true => {
+                let why_not = format!("stretched up to {:.0}-fold", quality.stretch.linf);
+                Weighed {
+                    quality: Some(quality),
+                    ..Weighed::none(kind, why_not)
+                }
+            }
+            false => Weighed::new(kind, quality, 0.0, triangles),
+        }
+    }
+
+    /// Weighs a primary of which a share is `wrong` over a mesh of `triangles`.
     pub(super) fn new(kind: String, quality: Quality, wrong: f64, triangles: usize) -> Self {
         let seam_share = seam_share(&quality, triangles);
         if !(quality.stretch.l2.is_finite() && quality.stretch.linf.is_finite()) {
             return Weighed::none(kind, "stretched past the numbers' range".into());
         }
-        let coarse = quality.stretch.linf > COARSEST;
         let cost = quality.stretch.l2 * (1.0 + seam_share) / (1.0 - wrong).max(0.01);
         Weighed {
             kind,
             wrong_fraction: wrong,
             seam_share: Some(seam_share),
-            cost: (!coarse).then_some(cost),
-            why_not: coarse.then(|| format!("stretched up to {:.0}-fold", quality.stretch.linf)),
+            cost: Some(cost),
+            why_not: None,
             quality: Some(quality),
         }
     }
@@ -96,7 +110,10 @@ impl Weighed {
         let (Some(cost), Some(share), Some(quality)) = (self.cost, self.seam_share, &self.quality)
         else {
             let reason = self.why_not.as_deref().unwrap_or("not weighed");
-            return format!("{}: {reason}", self.kind);
+            return match reason.starts_with(&self.kind) {
+                true => reason.into(),
+                false => format!("{}: {reason}", self.kind),
+            };
         };
         let mut made = vec![format!("stretch {:.3}", quality.stretch.l2)];
         made.push(match quality.seam_length {

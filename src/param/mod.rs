@@ -8,6 +8,7 @@
 mod charts;
 mod computed;
 mod contest;
+mod cylindrical;
 pub mod fit;
 mod fit_centre;
 mod fit_choose;

@@ -48,7 +48,7 @@ pub fn parameterize(mesh: &Mesh, request: &PrimaryRequest) -> Result<Chosen> {
 /// Beside a uv set that will do a sphere is tried up to so many triangles: it takes 30 to 90 microseconds a triangle, so
 /// that auto spends three seconds on it at most. What is no sphere is refused within milliseconds.
 const TRIED: usize = 100_000;
-/// Where nothing else will do, a sphere up to this cost is taken without charts being computed beside it.
+/// A sphere up to this cost is taken without a cylinder being computed beside it, and neither has charts beside it.
 const GOOD: f64 = 2.0;
 
 /// What is seamless and there already; else what costs least of the file's uv set and of what can be computed; else what
@@ -78,7 +78,7 @@ fn as_found(found: Found, weighed: Vec<Weighed>) -> Chosen {
     }
 }
 
-/// The uv set that was found, or a sphere that costs less. Charts are not computed beside charts: measured on the flight
+/// The uv set that was found, or a sphere or cylinder that costs less. Charts are not computed beside charts: measured on the flight
 /// helmet an artist's, which follow what the eye looks at, were better than these numbers say.
 fn beside_charts(mesh: &Mesh, found: Found) -> Result<Chosen> {
     let PrimaryKind::UvSet(set) = found.primary.kind else {
@@ -95,33 +95,64 @@ fn beside_charts(mesh: &Mesh, found: Found) -> Result<Chosen> {
             ..as_found(found, vec![there])
         });
     }
-    let (computed, sphere) = tried(mesh, Map::Sphere, TRIED);
-    let beaten = sphere.beats(&there);
-    let (own, other) = (sphere.clause(), there.clause());
-    let weighed = vec![there, sphere];
-    Ok(match computed.filter(|_| beaten) {
+    let (best, mut others) = seamless(mesh, TRIED, |w| w.beats(&there));
+    let mut clauses = vec![there.clause()];
+    clauses.extend(others.iter().map(Weighed::clause));
+    others.insert(0, there);
+    Ok(match best {
         Some(computed) => Chosen {
             primary: computed.primary(),
-            why: format!("{own}, seamless, computed: {}; {other}", verdict(&computed)),
+            why: format!(
+                "{}, seamless, computed: {}; {}",
+                computed.map,
+                verdict(&computed),
+                clauses.join("; ")
+            ),
             computed: Some(computed),
-            weighed,
+            weighed: others,
         },
         None => Chosen {
-            why: format!("{why}; {own}"),
-            ..as_found(found, weighed)
+            why: format!("{why}; {}", clauses[1..].join("; ")),
+            ..as_found(found, others)
         },
     })
 }
 
-/// A sphere, or charts, where the file and positions give nothing good; none where neither can be had whole.
+/// A sphere and, where that is none or costs much, a cylinder: the one that costs least of those that are `wanted`, and how
+/// both were weighed. A mesh of more than `most` triangles is not tried.
+fn seamless(
+    mesh: &Mesh,
+    most: usize,
+    wanted: impl Fn(&Weighed) -> bool,
+) -> (Option<Computed>, Vec<Weighed>) {
+    let mut best: Option<(f64, Computed)> = None;
+    let mut weighed = vec![];
+    for map in [Map::Sphere, Map::Cylinder] {
+        let (computed, of_map) = tried(mesh, map, most);
+        if let (Some(computed), Some(cost)) = (computed, of_map.cost)
+            && wanted(&of_map)
+            && best.as_ref().is_none_or(|(least, _)| cost < *least)
+        {
+            best = Some((cost, computed));
+        }
+        weighed.push(of_map);
+        if best.as_ref().is_some_and(|(cost, _)| *cost <= GOOD) {
+            break;
+        }
+    }
+    (best.map(|(_, computed)| computed), weighed)
+}
+
+/// A sphere, a cylinder, or charts, where the file and positions give nothing good; none where neither can be had whole.
 fn from_nothing(mesh: &Mesh, instead: &str, weighed: &mut Vec<Weighed>) -> Option<Chosen> {
-    let (mut best, sphere) = tried(mesh, Map::Sphere, usize::MAX);
-    let good = sphere.cost.is_some_and(|cost| cost <= GOOD);
-    weighed.push(sphere);
-    if !good {
+    let (mut best, of_both) = seamless(mesh, usize::MAX, |_| true);
+    *weighed = of_both;
+    let least = weighed.iter().filter_map(|w| w.cost).reduce(f64::min);
+    if least.is_none_or(|cost| cost > GOOD) {
         let (charts, of_charts) = tried(mesh, Map::Lscm, usize::MAX);
-        let less = of_charts.cost < weighed[0].cost || weighed[0].cost.is_none();
-        if of_charts.cost.is_some() && less {
+        if let Some(cost) = of_charts.cost
+            && least.is_none_or(|least| cost < least)
+        {
             best = charts;
         }
         weighed.push(of_charts);
@@ -155,7 +186,7 @@ fn tried(mesh: &Mesh, map: Map, most: usize) -> (Option<Computed>, Weighed) {
     match map.compute(mesh) {
         Ok(computed) if computed.quality.turned_triangles.is_empty() => {
             let quality = computed.quality.clone();
-            let weighed = Weighed::new(map.to_string(), quality, 0.0, triangles);
+            let weighed = Weighed::computed(map.to_string(), quality, triangles);
             (weighed.cost.is_some().then_some(computed), weighed)
         }
         Ok(computed) => {

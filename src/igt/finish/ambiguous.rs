@@ -20,6 +20,8 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 const CROWDED: usize = 48;
 /// Where more triangles meet in one place than this they are not compared pair by pair: all of them count.
 const MOST: usize = 4096;
+/// How often triangles about an axis are cut into quarters to tell them apart.
+const QUARTERED: u32 = 4;
 /// Texels that one worker looks at.
 const BAND: usize = 1 << 11;
 
@@ -139,7 +141,8 @@ impl<'a> Finder<'a> {
             self.pieces
                 .extend(list.iter().map(|t| piece(reference, *t)));
         }
-        sides::apart(&self.pieces[i], &self.pieces[j])
+        let (a, b) = (&self.pieces[i], &self.pieces[j]);
+        sides::apart(a, b) || sides::apart_in_parts(a, b, QUARTERED)
     }
 }
 

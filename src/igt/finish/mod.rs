@@ -5,6 +5,7 @@
 
 mod ambiguous;
 mod arrange;
+mod bent;
 mod classic;
 mod divide;
 mod estimate;

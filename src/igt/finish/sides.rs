@@ -8,6 +8,7 @@
 //! axis, whose values over a triangle lie between its six Bernstein coefficients. In a chart it is exact in f64; about a
 //! centre its sign is, but near zero, where it is worked out anew in integers.
 
+use super::bent::{self, away, bent_side, past_a_corner, quarters};
 use super::weigh::{self, Corners, Sides};
 use crate::param::projection::{GridTriangle, Line};
 
@@ -25,7 +26,8 @@ pub(super) struct Piece {
     at: GridTriangle,
     /// Chart: the coefficients of x, y and 1; sphere: of x, y, z; of the side of the edge opposite each corner.
     edges: [[f64; 3]; 3],
-    /// The sign of each corner's side of the edge opposite it; 0 without a footprint, and unknown about an axis.
+    /// The sign of each corner's side of the edge opposite it, 0 without a footprint; about an axis the sense in which
+    /// half-lines meet it everywhere, 0 where they meet it in both.
     sense: i32,
 }
 
@@ -53,9 +55,10 @@ impl Piece {
             edges,
             sense: 0,
         };
-        if line != Line::Cylinder {
-            piece.sense = piece.sign(0, 0, &piece);
-        }
+        piece.sense = match line {
+            Line::Cylinder => away(&at),
+            _ => piece.sign(0, 0, &piece),
+        };
         piece
     }
 
@@ -126,20 +129,11 @@ impl Piece {
 
     /// Whether the side of edge `i` can be positive, and negative, over `other`.
     fn reach(&self, i: usize, other: &Piece) -> [bool; 2] {
-        let mut reach = [false; 2];
-        let mut see = |sign: i32| {
-            reach[0] |= sign > 0;
-            reach[1] |= sign < 0;
-        };
         if self.line == Line::Cylinder {
-            let edge = [self.at[(i + 1) % 3], self.at[(i + 2) % 3]];
-            for [j, k] in [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]] {
-                see(bent_side(edge, other.at[j], other.at[k]).signum() as i32);
-            }
-        } else {
-            (0..3).for_each(|k| see(self.sign(i, k, other)));
+            return bent::reach([self.at[NEXT[i]], self.at[NEXT[i + 1]]], &other.at);
         }
-        reach
+        let signs = [0, 1, 2].map(|k| self.sign(i, k, other));
+        [signs.iter().any(|s| *s > 0), signs.iter().any(|s| *s < 0)]
     }
 
     /// Whether edge `i` has all of this triangle on one side and nothing of `other`.
@@ -147,7 +141,17 @@ impl Piece {
         if self.line != Line::Cylinder {
             return (0..3).all(|k| self.sign(i, k, other) != self.sense);
         }
-        let [own, others] = [self.reach(i, self), self.reach(i, other)];
+        // Of a triangle that is met in one sense everywhere all lies where the corner does.
+        let corner = bent_side(
+            [self.at[NEXT[i]], self.at[NEXT[i + 1]]],
+            self.at[i],
+            self.at[i],
+        );
+        let own = match corner.signum() {
+            sign if self.sense != 0 && sign != 0 => [sign > 0, sign < 0],
+            _ => self.reach(i, self),
+        };
+        let others = self.reach(i, other);
         match own {
             [true, true] => false,
             [true, false] => !others[0],
@@ -160,12 +164,36 @@ impl Piece {
 /// Whether no projection line meets the inside of both triangles: an edge of one has its third corner on one side, and
 /// nothing of the other triangle. A triangle without a footprint is met by no line and is apart from everything.
 pub(super) fn apart(a: &Piece, b: &Piece) -> bool {
-    if a.line != Line::Cylinder && (a.sense == 0 || b.sense == 0 || a.adjoins(b)) {
+    let flat = a.line != Line::Cylinder;
+    if flat && (a.sense == 0 || b.sense == 0) || a.sense != 0 && a.adjoins(b) {
         return true;
     }
-    (0..3).any(|i| a.separated_by(i, b))
-        || (0..3).any(|i| b.separated_by(i, a))
-        || a.line == Line::Sphere && opposite(a, b)
+    by_an_edge(a, b) || a.line == Line::Sphere && opposite(a, b)
+}
+
+fn by_an_edge(a: &Piece, b: &Piece) -> bool {
+    (0..3).any(|i| a.separated_by(i, b)) || (0..3).any(|i| b.separated_by(i, a))
+}
+
+/// Whether two triangles about an axis are apart by a line past a common corner, or all their quarters are, so many `times`:
+/// quarters are less bent. An edge goes on as a curve beyond its corners, and may pass through a triangle that the other does
+/// not meet.
+pub(super) fn apart_in_parts(a: &Piece, b: &Piece, times: u32) -> bool {
+    if a.line != Line::Cylinder {
+        return false;
+    }
+    if past_a_corner(&a.at, &b.at) {
+        return true;
+    }
+    let pieces =
+        |of: &Piece| quarters(&of.at).map(|at| Piece::new(Line::Cylinder, of.vertices, at));
+    times > 0 && {
+        let (parts, others) = (pieces(a), pieces(b));
+        parts.iter().all(|p| {
+            let apart = |q: &Piece| by_an_edge(p, q) || apart_in_parts(p, q, times - 1);
+            others.iter().all(apart)
+        })
+    }
 }
 
 /// About a centre: whether a plane through a corner of each has the one triangle on its one side and the other on its other.
@@ -200,25 +228,13 @@ pub(super) fn regions(a: &Piece, b: &Piece) -> u32 {
         .fold(0, |mask, r| mask | 1 << (r - 1))
 }
 
-fn cross(a: [i32; 3], b: [i32; 3]) -> [i64; 3] {
+pub(super) fn cross(a: [i32; 3], b: [i32; 3]) -> [i64; 3] {
     let (a, b) = (a.map(i64::from), b.map(i64::from));
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
         a[0] * b[1] - a[1] * b[0],
     ]
-}
-
-/// The polar form of the side of an edge about the axis (its diagonal is the side, times two).
-fn bent_side(edge: [[i32; 3]; 2], p: [i32; 3], q: [i32; 3]) -> i128 {
-    let turn = |e: [i32; 3], p: [i32; 3]| {
-        i128::from(i64::from(e[0]) * i64::from(p[1]) - i64::from(e[1]) * i64::from(p[0]))
-    };
-    let above = |e: [i32; 3], p: [i32; 3]| i128::from(e[2] - p[2]);
-    let half = |p: [i32; 3], q: [i32; 3]| {
-        turn(edge[1], p) * above(edge[0], q) - turn(edge[0], p) * above(edge[1], q)
-    };
-    half(p, q) + half(q, p)
 }
 
 #[cfg(test)]

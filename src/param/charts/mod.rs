@@ -25,7 +25,7 @@ mod segment;
 mod settle;
 mod stretch;
 mod surface;
-mod ways;
+pub(super) mod ways;
 
 use crate::error::{Error, Result};
 use crate::mesh::{Embedding, Mesh, NONE};

@@ -8,25 +8,25 @@ use std::collections::BinaryHeap;
 
 /// An edge as its vertex sees it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Edge {
-    pub(super) to: u32,
-    pub(super) length: f64,
+pub(in crate::param) struct Edge {
+    pub(in crate::param) to: u32,
+    pub(in crate::param) length: f64,
     /// What the caller calls it.
-    pub(super) number: u32,
+    pub(in crate::param) number: u32,
 }
 
 /// Shortest ways from the nearest of some vertices.
-pub(super) struct Ways {
+pub(in crate::param) struct Ways {
     /// Length of the way to each vertex; infinite where none leads.
-    pub(super) distance: Vec<f64>,
+    pub(in crate::param) distance: Vec<f64>,
     /// The vertex before it, and the number of the edge from there; none where a way begins or none leads.
-    pub(super) arrived: Vec<Option<(u32, u32)>>,
+    pub(in crate::param) arrived: Vec<Option<(u32, u32)>>,
     /// Which of the sources the way begins at, by its place among them.
-    pub(super) source: Vec<u32>,
+    pub(in crate::param) source: Vec<u32>,
 }
 
 /// Ways from the nearest of `sources` over `count` vertices with these edges.
-pub(super) fn ways<E: Iterator<Item = Edge>>(
+pub(in crate::param) fn ways<E: Iterator<Item = Edge>>(
     count: usize,
     sources: impl IntoIterator<Item = u32>,
     edges: impl Fn(u32) -> E,

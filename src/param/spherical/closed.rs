@@ -6,22 +6,24 @@
 
 use crate::error::{Error, Result};
 use crate::mesh::{Mesh, Union, components};
+use crate::param::Map;
 use crate::param::weld::by_place;
 use glam::DVec3;
 
 /// A closed surface.
-pub(super) struct Closed {
+#[derive(Clone)]
+pub(in crate::param) struct Closed {
     /// For each vertex the mesh's welded vertex; the middles of holes have none.
-    pub(super) vertex: Vec<Option<u32>>,
-    pub(super) places: Vec<DVec3>,
+    pub(in crate::param) vertex: Vec<Option<u32>>,
+    pub(in crate::param) places: Vec<DVec3>,
     /// Triangles, the mesh's own first, in its order.
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(in crate::param) triangles: Vec<[u32; 3]>,
     /// How many of them are the mesh's own.
-    pub(super) own: usize,
+    pub(in crate::param) own: usize,
 }
 
-/// The parts of a mesh, and for each of its vertices the one it is welded to.
-pub(super) fn parts(mesh: &Mesh) -> Result<(Vec<Closed>, Vec<u32>)> {
+/// The parts of a mesh, and for each of its vertices the one it is welded to, for a `map` that wants them so.
+pub(in crate::param) fn parts(mesh: &Mesh, map: Map) -> Result<(Vec<Closed>, Vec<u32>)> {
     let weld = by_place(&mesh.positions, &mesh.triangles);
     let mut triangles = weld.triangles(&mesh.triangles);
     triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
@@ -31,18 +33,18 @@ pub(super) fn parts(mesh: &Mesh) -> Result<(Vec<Closed>, Vec<u32>)> {
         groups[part as usize].push(*t);
     }
     if groups.is_empty() {
-        return Err(refuse(mesh, "none of its triangles has area"));
+        return Err(refuse(mesh, map, "none of its triangles has area"));
     }
     let closed = groups
         .into_iter()
-        .map(|group| Closed::new(mesh, &group).map_err(|reason| refuse(mesh, &reason)));
+        .map(|group| Closed::new(mesh, &group).map_err(|reason| refuse(mesh, map, &reason)));
     Ok((closed.collect::<Result<_>>()?, weld.of))
 }
 
-fn refuse(mesh: &Mesh, reason: &str) -> Error {
+fn refuse(mesh: &Mesh, map: Map, reason: &str) -> Error {
     Error::Parameterization {
         mesh: mesh.name.clone(),
-        reason: format!("sphere:map cannot be had: {reason}; charts can, such as --primary lscm"),
+        reason: format!("{map} cannot be had: {reason}; charts can, such as --primary lscm"),
     }
 }
 
@@ -72,7 +74,7 @@ impl Closed {
         let genus = (2 - (v - f / 2)) / 2;
         if genus != 0 {
             return Err(format!(
-                "a part of it has {genus} handles ({holes} holes), a sphere has none"
+                "a part of it has {genus} handles ({holes} holes), neither a sphere nor a tube has any"
             ));
         }
         Ok(closed)

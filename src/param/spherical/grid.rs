@@ -1,13 +1,11 @@
-//! The sphere on the integer grid.
+//! A surface about a centre or an axis on the integer grid.
 //!
-//! In: points of the unit sphere. Out: whole numbers of the vertex grid for which every triangle is still seen the right way
-//! round from the centre: exactly, by a determinant of three rows of 24 bits. Where rounding turned one over, a vertex of it
-//! moves by a few steps.
-
-use glam::DVec3;
+//! In: points of the vertex grid. Out: points near them for which every triangle is still seen the right way round: exactly,
+//! from the centre by a determinant of three rows of 24 bits. Where rounding turned one over, a vertex of it moves by a few
+//! steps.
 
 /// Steps of the vertex grid per unit.
-pub(super) const STEPS: f64 = (1u32 << 23) as f64;
+pub(in crate::param) const STEPS: f64 = (1u32 << 23) as f64;
 /// The sphere's radius in steps: 31/32 of the grid's reach.
 pub(super) const RADIUS: f64 = STEPS * 31.0 / 32.0;
 /// How far a vertex may move to set a triangle right, in steps.
@@ -23,13 +21,14 @@ pub(super) fn determinant([a, b, c]: [[i32; 3]; 3]) -> i128 {
     i128::from(a[0]) * minor(1, 2) + i128::from(a[1]) * minor(2, 0) + i128::from(a[2]) * minor(0, 1)
 }
 
-/// Grid points of `places`. What is turned over after all rounds stays so; none where a place is no number.
-pub(super) fn settle(places: &[DVec3], triangles: &[[u32; 3]]) -> Option<Vec<[i32; 3]>> {
-    let all_numbers = places.iter().all(|p| p.is_finite());
-    let round = |p: &DVec3| (*p * RADIUS).round().to_array().map(|c| c as i32);
-    let mut on_grid: Vec<[i32; 3]> = places.iter().map(round).collect();
+/// The points with those moved at which a triangle is `turned`. What is turned over after all rounds stays so.
+pub(in crate::param) fn settle(
+    mut on_grid: Vec<[i32; 3]>,
+    triangles: &[[u32; 3]],
+    turned: impl Fn([[i32; 3]; 3]) -> bool,
+) -> Vec<[i32; 3]> {
     for _ in 0..ROUNDS {
-        let bad = |t: &&[u32; 3]| determinant(t.map(|v| on_grid[v as usize])) <= 0;
+        let bad = |t: &&[u32; 3]| turned(t.map(|v| on_grid[v as usize]));
         let mut wanted: Vec<u32> = triangles.iter().filter(bad).flatten().copied().collect();
         if wanted.is_empty() {
             break;
@@ -48,18 +47,23 @@ pub(super) fn settle(places: &[DVec3], triangles: &[[u32; 3]]) -> Option<Vec<[i3
         around.sort_unstable();
         for group in around.chunk_by(|a, b| a.0 == b.0) {
             let about: Vec<[u32; 3]> = group.iter().map(|g| triangles[g.1]).collect();
-            nudge(&mut on_grid, group[0].0 as usize, &about);
+            nudge(&mut on_grid, group[0].0 as usize, &about, &turned);
         }
     }
-    all_numbers.then_some(on_grid)
+    on_grid
 }
 
 /// Moves a vertex to the nearest step where most of the triangles about it are right.
-fn nudge(on_grid: &mut [[i32; 3]], v: usize, about: &[[u32; 3]]) {
+fn nudge(
+    on_grid: &mut [[i32; 3]],
+    v: usize,
+    about: &[[u32; 3]],
+    turned: impl Fn([[i32; 3]; 3]) -> bool,
+) {
     let wrong = |on_grid: &[[i32; 3]]| {
         about
             .iter()
-            .filter(|t| determinant(t.map(|w| on_grid[w as usize])) <= 0)
+            .filter(|t| turned(t.map(|w| on_grid[w as usize])))
             .count()
     };
     let stood = on_grid[v];

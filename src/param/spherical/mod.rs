@@ -11,9 +11,9 @@
 //! Source: Praun, Hoppe, Spherical Parametrization and Remeshing (2003).
 
 mod build;
-mod closed;
+pub(super) mod closed;
 mod coarsen;
-mod grid;
+pub(super) mod grid;
 mod place;
 
 use super::charts::Stretch;
@@ -30,7 +30,7 @@ use rayon::prelude::*;
 /// # Errors
 /// [`Error::Parameterization`] where a part is no sphere: handles, edges of three triangles, surfaces that touch in a point.
 pub(crate) fn sphere(mesh: &Mesh) -> Result<Computed> {
-    let (parts, weld) = closed::parts(mesh)?;
+    let (parts, weld) = closed::parts(mesh, Map::Sphere)?;
     let of_parts: Vec<Option<Vec<[i32; 3]>>> = parts.par_iter().map(on_grid).collect();
     let mut t3 = vec![[grid::RADIUS as i32, 0, 0]; mesh.positions.len()];
     for (part, places) in parts.iter().zip(of_parts) {
@@ -74,7 +74,11 @@ fn on_grid(part: &Closed) -> Option<Vec<[i32; 3]>> {
     let scaled = part.of_unit_area();
     let coarse = coarsen::coarsen(&scaled)?;
     let places = build::build(&scaled, &coarse)?;
-    grid::settle(&places, &scaled.triangles)
+    let all_numbers = places.iter().all(|p| p.is_finite());
+    let round = |p: &DVec3| (*p * grid::RADIUS).round().as_ivec3().to_array();
+    let on_grid = places.iter().map(round).collect();
+    let turned = |t| grid::determinant(t) <= 0;
+    all_numbers.then(|| grid::settle(on_grid, &scaled.triangles, turned))
 }
 
 impl Closed {
