@@ -7,8 +7,8 @@
 //! ```text
 //! built   LoD -> atlas -> texel.rs -> lookup ---------------------\
 //!         primary -> address.rs: T3 point -> lookup ----------------> resample.rs: attribute/ -> mean -> fill.rs: gutter
-//! pair    low -> laid.rs: uv, world -> texel.rs -> find.rs: point --/
-//!                  probe.rs -> visible.rs: directions -^
+//! pair    low -> laid.rs: uv, world -> texel.rs -> find.rs: point --/     around.rs: sky, thickness, light -^
+//!          udim.rs: tiles, cage.rs -^        ^- probe.rs -> visible.rs: directions
 //! ```
 //!
 //! The mappings of a pair are those of Tarini, Cignoni and Scopigno, *Visibility Based Methods and Assessment for
