@@ -89,6 +89,7 @@ fn report(mesh: &Mesh, arguments: &Arguments) -> Result<(), Failure> {
     };
     let target = (mesh.triangles.len() as f64 * arguments.fraction) as usize;
     let (ms, progressive) = time(arguments.runs, || Progressive::new(&input, target));
+    let progressive = progressive?;
     let last: Vec<_> = progressive.after(progressive.collapses.len()).collect();
     let bound = last.iter().map(|t| t.deviation.total).fold(0.0, f32::max);
     let ours: Vec<[u32; 3]> = last.iter().map(|t| t.corners).collect();

@@ -38,7 +38,7 @@ impl Model {
     }
 
     fn progressive(&self, least: usize) -> Progressive {
-        Progressive::new(&self.input(), least)
+        Progressive::new(&self.input(), least).unwrap()
     }
 
     fn input(&self) -> LodInput<'_> {
@@ -372,7 +372,7 @@ fn the_globe_over_longitude_and_latitude_and_over_the_sphere() {
     let deviation = |kind: PrimaryKind, place: &dyn Fn(DVec3) -> [f64; 3]| {
         let model = Model::new(globe.clone(), kind);
         let t3 = triangle.map(|p| model.primary.to_grid(place(p)));
-        f64::from(deviation_of(&model.input(), t3, positions).total)
+        f64::from(deviation_of(&model.input(), t3, positions).unwrap().total)
     };
     let uv = deviation(PrimaryKind::UvSet(0), &|p| {
         let [u, v] = uv_of(p).map(f64::from);
@@ -381,4 +381,16 @@ fn the_globe_over_longitude_and_latitude_and_over_the_sphere() {
     let sphere = deviation(PrimaryKind::Sphere, &|p| p.to_array());
     assert!((uv - half_edge).abs() < 0.01, "{uv}");
     assert!((sphere - 0.2053).abs() < 0.002, "{sphere}");
+}
+
+#[test]
+fn a_primary_without_a_known_bound_is_refused() {
+    let model = Model::computed(&bellied(24, 12), "cylinder:map");
+    let refused = nested_chains(&[model.input()], &[0.5]).unwrap_err();
+    assert_eq!(refused.exit_code(), 2);
+    let words = refused.to_string();
+    assert!(
+        words.contains("--simplifier") && words.contains("cylinder:map"),
+        "{words}"
+    );
 }

@@ -104,10 +104,10 @@ pub fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>
 /// The same by progressive meshes: levels are nested, and their error is a bound.
 ///
 /// # Errors
-/// As [`chains`].
+/// As [`chains`] and [`progressive::Progressive::new`].
 pub fn nested_chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>>> {
     check(fractions)?;
-    Ok(nested::chains(meshes, fractions))
+    nested::chains(meshes, fractions)
 }
 
 /// The same of a model that moves: `shapes` has, for each mesh, its vertices' positions in up to [`MOST_POSES`] poses, none

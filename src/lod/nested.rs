@@ -8,6 +8,7 @@ use super::joint::world;
 use super::progressive::{Made, Progressive};
 use super::split::{cache_order, per_object_unit, turned};
 use super::{Lod, LodInput};
+use crate::error::Result;
 use crate::mesh::smooth_normals;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,7 +17,7 @@ use rayon::prelude::*;
 const BEYOND: f64 = 8.0;
 
 /// The chains of a model by progressive meshes: `result[m][k]` is mesh `m` at `fractions[k]` of the whole model's triangles.
-pub(super) fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Vec<Vec<Lod>> {
+pub(super) fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>>> {
     let coarsest = fractions.iter().copied().fold(1.0, f32::min);
     let histories: Vec<Progressive> = meshes
         .par_iter()
@@ -24,10 +25,10 @@ pub(super) fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Vec<Vec<Lod>
             let share = input.mesh.triangles.len() as f64 * f64::from(coarsest);
             Progressive::new(input, (share / BEYOND) as usize)
         })
-        .collect();
+        .collect::<Result<_>>()?;
     let order = Order::new(meshes, &histories);
     let levels: Vec<Level> = fractions.iter().map(|&f| order.level(f)).collect();
-    (0..meshes.len())
+    let chains = (0..meshes.len())
         .into_par_iter()
         .map(|m| {
             let carry = Carry::new(&meshes[m]);
@@ -42,7 +43,8 @@ pub(super) fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Vec<Vec<Lod>
             };
             levels.iter().map(lod).collect()
         })
-        .collect()
+        .collect();
+    Ok(chains)
 }
 
 /// All collapses of a model in one order.

@@ -23,6 +23,9 @@ mod rim;
 pub use overlay::Deviation;
 
 use super::LodInput;
+use crate::error::{Error, Result};
+use crate::param::PrimaryKind;
+use crate::param::projection::Line;
 use glam::DVec3;
 use overlay::{Asked, Overlay};
 
@@ -68,8 +71,12 @@ pub struct Collapse {
 
 impl Progressive {
     /// Simplifies a mesh until at most `least` triangles are left, or no further collapse keeps the surface whole.
-    pub fn new(input: &LodInput<'_>, least: usize) -> Self {
-        collapse::simplify(input, least)
+    ///
+    /// # Errors
+    /// [`Error::Option`] naming `--simplifier` for a computed map to a cylinder: its overlay has no known bound.
+    pub fn new(input: &LodInput<'_>, least: usize) -> Result<Self> {
+        check(input)?;
+        Ok(collapse::simplify(input, least))
     }
 
     /// Triangles that each collapse takes away, less those that it makes.
@@ -91,9 +98,32 @@ impl Progressive {
     }
 }
 
+/// Along a cylinder's lines the bound rests on T3 being the position.
+fn check(input: &LodInput<'_>) -> Result<()> {
+    let kind = input.primary.kind;
+    if matches!(kind, PrimaryKind::Computed(_)) && kind.line() == Line::Cylinder {
+        return Err(Error::Option {
+            option: "--simplifier",
+            reason: format!(
+                "no bound is known over {kind} (mesh \"{}\"); progressive needs another primary, or take meshopt",
+                input.mesh.name
+            ),
+        });
+    }
+    Ok(())
+}
+
 /// How far a triangle of any simplified surface lies from the reference, at most: `t3` are its corners on the primary's vertex
 /// grid, `corners` in object space. Every triangle of the reference is looked at.
-pub fn deviation_of(input: &LodInput<'_>, t3: [[i32; 3]; 3], corners: [[f32; 3]; 3]) -> Deviation {
+///
+/// # Errors
+/// As [`Progressive::new`].
+pub fn deviation_of(
+    input: &LodInput<'_>,
+    t3: [[i32; 3]; 3],
+    corners: [[f32; 3]; 3],
+) -> Result<Deviation> {
+    check(input)?;
     let overlay = Overlay::new(input.mesh, input.primary);
     let asked = Asked {
         t3: t3.map(|p| DVec3::from(p.map(f64::from))),
@@ -101,5 +131,5 @@ pub fn deviation_of(input: &LodInput<'_>, t3: [[i32; 3]; 3], corners: [[f32; 3];
         sense: overlay::sense(overlay.line, &t3),
     };
     let all: Vec<u32> = (0..input.mesh.triangles.len() as u32).collect();
-    overlay.deviation(&asked, &all, &mut Vec::new())
+    Ok(overlay.deviation(&asked, &all, &mut Vec::new()))
 }
