@@ -1,53 +1,14 @@
 //! LoD chains: counts, one budget, seams, layers, and what happens at the edges of the input.
 
+mod parted;
+
 use invertex::lod::{Lod, LodInput, chains};
 use invertex::mesh::{Adjacency, Mesh, Weld, shapes};
-use invertex::param::{Axis, Parts, Primary, PrimaryKind, parts};
-
-const IDENTITY: [[f32; 4]; 4] = [
-    [1.0, 0.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0, 0.0],
-    [0.0, 0.0, 1.0, 0.0],
-    [0.0, 0.0, 0.0, 1.0],
-];
-
-/// A mesh with its primary and parts.
-struct Model {
-    mesh: Mesh,
-    primary: Primary,
-    parts: Parts,
-    world: [[f32; 4]; 4],
-}
-
-impl Model {
-    fn new(mesh: Mesh, kind: PrimaryKind) -> Self {
-        let primary = Primary::centred(kind, &mesh).unwrap();
-        let parts = parts(&mesh, &primary);
-        Model {
-            mesh,
-            primary,
-            parts,
-            world: IDENTITY,
-        }
-    }
-
-    fn at(mut self, scale: f32, offset: [f32; 3]) -> Self {
-        (0..3).for_each(|k| self.world[k][k] = scale);
-        self.world[3] = [offset[0], offset[1], offset[2], 1.0];
-        self
-    }
-}
+use invertex::param::{Axis, Parts, PrimaryKind};
+use parted::{IDENTITY, Model};
 
 fn simplify(models: &[Model], fractions: &[f32]) -> Vec<Vec<Lod>> {
-    let inputs: Vec<LodInput> = models
-        .iter()
-        .map(|m| LodInput {
-            mesh: &m.mesh,
-            primary: &m.primary,
-            parts: &m.parts,
-            world: m.world,
-        })
-        .collect();
+    let inputs: Vec<LodInput> = models.iter().map(Model::input).collect();
     chains(&inputs, fractions).unwrap()
 }
 

@@ -1,63 +1,23 @@
 //! Progressive meshes: every prefix is a surface, and what is said of its deviation holds.
 
+mod parted;
+
 use glam::DVec3;
 use invertex::lod::deviation::deviation;
 use invertex::lod::progressive::{Made, Progressive, deviation_of};
 use invertex::lod::{LodInput, nested_chains};
 use invertex::mesh::{Mesh, shapes};
 use invertex::param::projection::{hit, orientation};
-use invertex::param::{Axis, Parts, Primary, PrimaryKind, PrimaryRequest, parameterize, parts};
+use invertex::param::{Axis, PrimaryKind};
+use parted::{Model, spread};
 use std::collections::{HashMap, HashSet};
 
-struct Model {
-    mesh: Mesh,
-    primary: Primary,
-    parts: Parts,
+fn progressive(model: &Model, least: usize) -> Progressive {
+    Progressive::new(&model.input(), least).unwrap()
 }
 
-impl Model {
-    fn new(mesh: Mesh, kind: PrimaryKind) -> Self {
-        let primary = Primary::centred(kind, &mesh).unwrap();
-        let parts = parts(&mesh, &primary);
-        Model {
-            mesh,
-            primary,
-            parts,
-        }
-    }
-
-    fn computed(mesh: &Mesh, request: &str) -> Self {
-        let chosen = parameterize(mesh, &request.parse::<PrimaryRequest>().unwrap()).unwrap();
-        let mesh = chosen.computed.unwrap().embedding.cut_open(mesh);
-        let parts = parts(&mesh, &chosen.primary);
-        Model {
-            mesh,
-            primary: chosen.primary,
-            parts,
-        }
-    }
-
-    fn progressive(&self, least: usize) -> Progressive {
-        Progressive::new(&self.input(), least).unwrap()
-    }
-
-    fn input(&self) -> LodInput<'_> {
-        LodInput {
-            mesh: &self.mesh,
-            primary: &self.primary,
-            parts: &self.parts,
-            world: glam::Mat4::IDENTITY.to_cols_array_2d(),
-        }
-    }
-
-    fn grid(&self, v: u32) -> [i32; 3] {
-        let t3 = self.primary.t3_of(&self.mesh, v as usize);
-        self.primary.to_grid(t3)
-    }
-
-    fn position(&self, v: u32) -> DVec3 {
-        DVec3::from(self.mesh.positions[v as usize].map(f64::from))
-    }
+fn computed(mesh: &Mesh, request: &str) -> Model {
+    Model::with(mesh, &request.parse().unwrap())
 }
 
 /// A ball with hills.
@@ -95,7 +55,7 @@ fn bellied(segments: u32, rings: u32) -> Mesh {
 fn models() -> Vec<(&'static str, Model)> {
     vec![
         ("sphere", Model::new(hilly(3), PrimaryKind::Sphere)),
-        ("sphere:map", Model::computed(&hilly(2), "sphere:map")),
+        ("sphere:map", computed(&hilly(2), "sphere:map")),
         (
             "plane",
             Model::new(squeezed(20), PrimaryKind::Plane(Axis::Z)),
@@ -109,21 +69,21 @@ fn models() -> Vec<(&'static str, Model)> {
             "cylinder",
             Model::new(bellied(24, 12), PrimaryKind::Cylinder(Axis::Z)),
         ),
-        ("charts", Model::computed(&hilly(3), "lscm")),
+        ("charts", computed(&hilly(3), "lscm")),
     ]
 }
 
 /// Prefixes that are looked at: of all collapses none, half, nine tenths, and all.
-fn prefixes(progressive: &Progressive) -> [usize; 4] {
-    let all = progressive.collapses.len();
+fn prefixes(history: &Progressive) -> [usize; 4] {
+    let all = history.collapses.len();
     [0, all / 2, all * 9 / 10, all]
 }
 
 /// How often each directed edge between places is there.
-fn edges(progressive: &Progressive, triangles: &[Made]) -> HashMap<[u32; 2], u32> {
+fn edges(history: &Progressive, triangles: &[Made]) -> HashMap<[u32; 2], u32> {
     let mut edges = HashMap::new();
     for t in triangles {
-        let places = t.corners.map(|v| progressive.place[v as usize]);
+        let places = t.corners.map(|v| history.place[v as usize]);
         for k in 0..3 {
             *edges.entry([places[k], places[(k + 1) % 3]]).or_insert(0) += 1;
         }
@@ -132,8 +92,8 @@ fn edges(progressive: &Progressive, triangles: &[Made]) -> HashMap<[u32; 2], u32
 }
 
 /// Borders and Euler's number.
-fn shape_of(progressive: &Progressive, triangles: &[Made]) -> (usize, i64) {
-    let edges = edges(progressive, triangles);
+fn shape_of(history: &Progressive, triangles: &[Made]) -> (usize, i64) {
+    let edges = edges(history, triangles);
     assert!(edges.values().all(|&n| n == 1), "an edge is there twice");
     let rims = edges
         .keys()
@@ -152,13 +112,13 @@ fn shape_of(progressive: &Progressive, triangles: &[Made]) -> (usize, i64) {
 #[test]
 fn every_prefix_is_the_same_surface_and_faces_its_lines() {
     for (name, model) in models() {
-        let progressive = model.progressive(0);
+        let history = progressive(&model, 0);
         let line = model.primary.line();
         let sense = |t: &Made| orientation(line, &t.corners.map(|v| model.grid(v)));
         let (mut euler, mut borders) = (None, None);
-        for collapses in prefixes(&progressive) {
-            let triangles: Vec<Made> = progressive.after(collapses).copied().collect();
-            let (rims, number) = shape_of(&progressive, &triangles);
+        for collapses in prefixes(&history) {
+            let triangles: Vec<Made> = history.after(collapses).copied().collect();
+            let (rims, number) = shape_of(&history, &triangles);
             assert_eq!(
                 *euler.get_or_insert(number),
                 number,
@@ -175,15 +135,10 @@ fn every_prefix_is_the_same_surface_and_faces_its_lines() {
                 .count();
             assert_eq!(turned, 0, "{name} after {collapses}");
         }
-        let left = progressive.after(progressive.collapses.len()).count();
-        let first = progressive.after(0).count();
+        let left = history.after(history.collapses.len()).count();
+        let first = history.after(0).count();
         assert!(left * 8 < first, "{name}: {left} of {first} are left");
     }
-}
-
-/// A number in 0..1 for each index.
-fn spread(i: u64) -> f64 {
-    (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// The largest distance between points of a triangle and those of the reference that they stand for, sampled, found by asking
@@ -193,16 +148,11 @@ fn sampled(model: &Model, t: &Made, samples: u64) -> f64 {
     let corners = t.corners.map(|v| model.grid(v));
     let own = orientation(line, &corners);
     let mut largest = 0.0f64;
-    for i in 0..samples {
-        let (u, v) = (spread(i * 2 + 1), spread(i * 2 + 2).sqrt());
-        let b = [1.0 - v, v * (1.0 - u), v * u];
-        let t3 = [0, 1, 2].map(|k| (0..3).map(|c| f64::from(corners[c][k]) * b[c]).sum::<f64>());
-        let q = t3.map(|x| (x * 64.0).round() as i32);
-        let here: DVec3 = (0..3).map(|c| model.position(t.corners[c]) * b[c]).sum();
+    for b in (0..samples).map(spread) {
+        let (q, here) = (model.query(t.corners, b), model.point(t.corners, b));
         let of = |r: &[u32; 3]| {
             let met = hit(line, q, &r.map(|v| model.grid(v)))?;
-            let b = met.barycentric().map(f64::from);
-            let there: DVec3 = (0..3).map(|c| model.position(r[c]) * b[c]).sum();
+            let there = model.point(*r, met.barycentric().map(f64::from));
             (met.sense == own).then_some(there.distance(here))
         };
         let nearest = model
@@ -221,10 +171,10 @@ fn sampled(model: &Model, t: &Made, samples: u64) -> f64 {
 #[test]
 fn no_sample_lies_farther_than_the_bound_and_the_bound_is_tight() {
     for (name, model) in models() {
-        let progressive = model.progressive(0);
+        let history = progressive(&model, 0);
         let (mut triangles, mut tight) = (0, 0);
-        for collapses in prefixes(&progressive) {
-            let made: Vec<Made> = progressive
+        for collapses in prefixes(&history) {
+            let made: Vec<Made> = history
                 .after(collapses)
                 .filter(|t| t.made.is_some())
                 .copied()
@@ -310,8 +260,8 @@ fn a_rim_that_is_cut_short_counts() {
         p[1] += 0.1 * share * (12.0 * p[0]).sin();
     }
     let model = Model::new(mesh, PrimaryKind::Plane(Axis::Z));
-    let progressive = model.progressive(0);
-    let last: Vec<&Made> = progressive.after(progressive.collapses.len()).collect();
+    let history = progressive(&model, 0);
+    let last: Vec<&Made> = history.after(history.collapses.len()).collect();
     assert!(last.len() < 20);
     let bound = last.iter().map(|t| t.deviation.total).fold(0.0, f32::max);
     let triangles: Vec<[u32; 3]> = last.iter().map(|t| t.corners).collect();
@@ -331,7 +281,10 @@ fn the_same_mesh_gives_the_same_history() {
         .num_threads(1)
         .build()
         .unwrap();
-    assert_eq!(model.progressive(0), one.install(|| model.progressive(0)));
+    assert_eq!(
+        progressive(&model, 0),
+        one.install(|| progressive(&model, 0))
+    );
 }
 
 /// The globe of the paper's figure 1, of radius 1, and the triangle beside the polar edge of the inscribed icosahedron, a pole
@@ -385,7 +338,7 @@ fn the_globe_over_longitude_and_latitude_and_over_the_sphere() {
 
 #[test]
 fn a_primary_without_a_known_bound_is_refused() {
-    let model = Model::computed(&bellied(24, 12), "cylinder:map");
+    let model = computed(&bellied(24, 12), "cylinder:map");
     let refused = nested_chains(&[model.input()], &[0.5]).unwrap_err();
     assert_eq!(refused.exit_code(), 2);
     let words = refused.to_string();

@@ -5,14 +5,13 @@
 
 #[path = "long/mod.rs"]
 mod long;
+mod parted;
 
-use glam::DVec3;
 use invertex::igt::{Ambiguous, Asker, BuildOptions, Layout, Needs, Reference, Tables, build_cpu};
-use invertex::lod::LodInput;
 use invertex::lod::progressive::{Made, Progressive};
 use invertex::mesh::Mesh;
-use invertex::param::{Parts, Primary, parameterize, parts};
 use invertex::scene::Scene;
+use parted::{Model, spread};
 use rayon::prelude::*;
 use std::collections::HashSet;
 
@@ -22,9 +21,7 @@ const MODELS: u64 = 13;
 
 /// A mesh and everything that answers for it.
 struct Subject {
-    mesh: Mesh,
-    primary: Primary,
-    parts: Parts,
+    model: Model,
     tables: Tables,
     ambiguous: HashSet<u32>,
 }
@@ -40,73 +37,48 @@ struct Found {
 
 impl Subject {
     fn new(mesh: &Mesh, name: &str) -> Self {
-        let chosen = parameterize(mesh, &long::primary(name)).unwrap();
-        let cut = |c: &invertex::param::Computed| c.embedding.cut_open(mesh);
-        let mesh = chosen.computed.as_ref().map_or_else(|| mesh.clone(), cut);
-        let primary = chosen.primary;
-        let parts = parts(&mesh, &primary);
-        let layer = &parts.triangle_layer;
-        let reference = Reference::new(&mesh, &primary, layer, Layout::Packed).unwrap();
+        let model = Model::with(mesh, &long::primary(name));
+        let (mesh, layer) = (&model.mesh, &model.parts.triangle_layer);
+        let reference = Reference::new(mesh, &model.primary, layer, Layout::Packed).unwrap();
         let options = BuildOptions {
             hash: invertex::asset::hash_for(mesh.triangles.len()),
             layout: Layout::Packed,
         };
         let tables = build_cpu(&reference, &Needs::default(), options).unwrap();
-        let ambiguous = Ambiguous::of(&mesh, &primary, layer).unwrap();
+        let ambiguous = Ambiguous::of(mesh, &model.primary, layer).unwrap();
         Subject {
             tables,
             ambiguous: ambiguous.triangles.into_iter().collect(),
-            mesh,
-            primary,
-            parts,
+            model,
         }
-    }
-
-    fn position(&self, v: u32) -> DVec3 {
-        DVec3::from(self.mesh.positions[v as usize].map(f64::from))
     }
 
     /// How far point `i` of a triangle lies from the reference's, and its bound; none where nothing answers, or the answer is
     /// one of several.
     fn at(&self, t: &Made, i: u64) -> Option<(f64, f64)> {
-        let corners = t.corners.map(|v| {
-            let t3 = self.primary.t3_of(&self.mesh, v as usize);
-            self.primary.to_grid(t3)
-        });
-        let (u, v) = (spread(i * 2 + 1), spread(i * 2 + 2).sqrt());
-        let b = [1.0 - v, v * (1.0 - u), v * u];
-        let t3 = [0, 1, 2].map(|k| (0..3).map(|c| f64::from(corners[c][k]) * b[c]).sum::<f64>());
-        let query = t3.map(|x| (x * 64.0).round() as i32);
+        let model = &self.model;
+        let corners = t.corners.map(|v| model.grid(v));
+        let b = spread(i);
+        let query = model.query(t.corners, b);
         let asker = Asker {
             grazed: false,
-            ..Asker::of(self.primary.line(), &corners, Some(t.layer))
+            ..Asker::of(model.primary.line(), &corners, Some(t.layer))
         };
         let found = self.tables.lookup(query, asker, false)?;
         if !found.hit || self.ambiguous.contains(&found.triangle) {
             return None;
         }
-        let blend = |corners: [u32; 3], b: [f64; 3]| -> DVec3 {
-            (0..3).map(|c| self.position(corners[c]) * b[c]).sum()
-        };
-        let there = blend(
-            self.mesh.triangles[found.triangle as usize],
-            found.barycentric.map(f64::from),
-        );
-        Some((
-            there.distance(blend(t.corners, b)),
-            f64::from(t.deviation.total),
-        ))
+        let triangle = model.mesh.triangles[found.triangle as usize];
+        let there = model.point(triangle, found.barycentric.map(f64::from));
+        let far = there.distance(model.point(t.corners, b));
+        Some((far, f64::from(t.deviation.total)))
     }
 
     fn check(&self, points: u64) -> Found {
-        let input = LodInput {
-            mesh: &self.mesh,
-            primary: &self.primary,
-            parts: &self.parts,
-            world: glam::Mat4::IDENTITY.to_cols_array_2d(),
-        };
-        let progressive = Progressive::new(&input, self.mesh.triangles.len() / 100).unwrap();
-        let (low, high) = self.mesh.positions.iter().fold(
+        let mesh = &self.model.mesh;
+        let progressive =
+            Progressive::new(&self.model.input(), mesh.triangles.len() / 100).unwrap();
+        let (low, high) = mesh.positions.iter().fold(
             (glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY),
             |(low, high), &p| (low.min(p.into()), high.max(p.into())),
         );
@@ -147,13 +119,6 @@ impl Found {
             worst: self.worst.max(other.worst),
         }
     }
-}
-
-/// A number in 0..1 for each index.
-fn spread(i: u64) -> f64 {
-    let mut h = i.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    h = (h ^ (h >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    (h >> 11) as f64 / (1u64 << 53) as f64
 }
 
 fn check(name: &str, points: u64, path: &std::path::Path) {

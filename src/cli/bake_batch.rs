@@ -11,24 +11,9 @@ use super::bake_report::Report;
 use super::view::Size;
 use super::{Common, bad_option, note, plain, print};
 use invertex::output::make_folder;
+use invertex::recover::{Role, role};
 use invertex::{Error, Result};
 use serde::{Deserialize, Serialize};
-
-/// Endings of models that are baked for, of those whose detail is wanted, and of cages.
-const ENDINGS: [(&str, Role); 5] = [
-    ("_low", Role::Low),
-    ("_lp", Role::Low),
-    ("_high", Role::High),
-    ("_hp", Role::High),
-    ("_cage", Role::Cage),
-];
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Role {
-    Low,
-    High,
-    Cage,
-}
 
 /// A manifest. Unknown words are refused: a mistyped one would be left out silently.
 #[derive(Deserialize)]
@@ -123,7 +108,7 @@ fn in_folder(folder: &Path) -> Result<Vec<Job>> {
     let mut sets: BTreeMap<String, [Option<PathBuf>; 3]> = BTreeMap::new();
     for entry in std::fs::read_dir(folder).map_err(fault)? {
         let path = entry.map_err(fault)?.path();
-        if let Some((stem, role)) = role(&path) {
+        if let Some((stem, role)) = role_of(&path) {
             // Of several that would do the first by name, whatever order the folder has.
             let slot = &mut sets.entry(stem).or_default()[role as usize];
             let first = slot.take().map_or(path.clone(), |other| other.min(path));
@@ -150,19 +135,13 @@ fn in_folder(folder: &Path) -> Result<Vec<Job>> {
     Ok(jobs)
 }
 
-/// What a model is by its name, and the name without the ending.
-fn role(path: &Path) -> Option<(String, Role)> {
+/// What a model is by its file's name, and the name without the ending.
+fn role_of(path: &Path) -> Option<(String, Role)> {
     let kind = path.extension()?.to_str()?.to_lowercase();
-    let name = path.file_stem()?.to_str()?.to_lowercase();
-    if !["glb", "gltf"].contains(&kind.as_str()) {
-        return None;
+    match ["glb", "gltf"].contains(&kind.as_str()) {
+        true => role(path.file_stem()?.to_str()?),
+        false => None,
     }
-    let known =
-        |(ending, role): &(&str, Role)| Some((name.strip_suffix(ending)?.to_owned(), *role));
-    ENDINGS
-        .iter()
-        .find_map(known)
-        .filter(|(stem, _)| !stem.is_empty())
 }
 
 /// Refuses jobs that would write over each other, or outside of OUT.

@@ -6,11 +6,10 @@
 use super::carry::{Carry, Sides};
 use super::joint::world;
 use super::progressive::{Made, Progressive};
-use super::split::{cache_order, per_object_unit, turned};
+use super::split::{cache_order, has_area, per_object_unit, turned};
 use super::{Lod, LodInput};
 use crate::error::Result;
 use crate::mesh::smooth_normals;
-use glam::DVec3;
 use rayon::prelude::*;
 
 /// A mesh simplifies on by this factor below its own share of the coarsest level: others may need the triangles more.
@@ -28,23 +27,16 @@ pub(super) fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<V
         .collect::<Result<_>>()?;
     let order = Order::new(meshes, &histories);
     let levels: Vec<Level> = fractions.iter().map(|&f| order.level(f)).collect();
-    let chains = (0..meshes.len())
-        .into_par_iter()
-        .map(|m| {
-            let carry = Carry::new(&meshes[m]);
-            let lod = |level: &Level| Lod {
-                reached: level.reached,
-                ..lod(
-                    &meshes[m],
-                    &histories[m],
-                    level.collapses[m],
-                    carry.as_ref(),
-                )
-            };
-            levels.iter().map(lod).collect()
-        })
-        .collect();
-    Ok(chains)
+    let pairs = meshes.par_iter().zip(&histories).enumerate();
+    let chains = pairs.map(|(m, (input, history))| {
+        let source = Source::new(input, history);
+        let lod = |level: &Level| Lod {
+            reached: level.reached,
+            ..source.after(level.collapses[m])
+        };
+        levels.iter().map(lod).collect()
+    });
+    Ok(chains.collect())
 }
 
 /// All collapses of a model in one order.
@@ -107,55 +99,64 @@ impl Order {
     }
 }
 
-/// A mesh after so many of its collapses.
-fn lod(
-    input: &LodInput<'_>,
-    history: &Progressive,
-    collapses: usize,
-    carry: Option<&Carry>,
-) -> Lod {
-    let mesh = input.mesh;
-    let position = |v: u32| mesh.positions[history.place[v as usize] as usize];
-    let has_area = |t: &&Made| {
-        let [a, b, c] = t.corners.map(|v| DVec3::from(position(v).map(f64::from)));
-        (b - a).cross(c - a) != DVec3::ZERO
-    };
-    let made: Vec<&Made> = history.after(collapses).filter(has_area).collect();
-    let corners: Vec<[u32; 3]> = made.iter().map(|t| t.corners).collect();
-    let (triangles, vertices) = cache_order(&corners, mesh.positions.len());
-    // A vertex has one part and layer: parts are welded as the surface is.
-    let mut layer = vec![0; mesh.positions.len()];
-    for t in &made {
-        t.corners.iter().for_each(|&v| layer[v as usize] = t.layer);
-    }
-    let layer_of = |t: &[u32; 3]| layer[vertices[t[0] as usize] as usize];
-    let mut lod = Lod {
-        triangle_layer: triangles.iter().map(layer_of).collect(),
-        triangles,
-        error: made.iter().map(|t| t.deviation.total).fold(0.0, f32::max),
-        ..Lod::default()
-    };
-    let part = part_of_vertices(input, history);
-    let mut sides = Sides::new();
-    for &v in &vertices {
-        lod.positions.push(position(v));
-        let t3 = input.primary.t3_of(mesh, v as usize);
-        lod.t3.push(input.primary.to_grid(t3));
-        if let Some(carry) = carry {
-            carry.push(&mut lod, &mut sides, (v, part[v as usize]), position(v));
-        }
-    }
-    lod.normals = smooth_normals(&lod.positions, &lod.triangles);
-    lod.turned = turned(&lod, input, |v| part[vertices[v as usize] as usize]);
-    lod
+/// A mesh that levels are made of.
+struct Source<'a> {
+    input: &'a LodInput<'a>,
+    history: &'a Progressive,
+    carry: Option<Carry<'a>>,
+    /// For each vertex of the surface its part.
+    part: Vec<u32>,
 }
 
-/// The part of each vertex of the surface.
-fn part_of_vertices(input: &LodInput<'_>, history: &Progressive) -> Vec<u32> {
-    let mut part = vec![0; input.mesh.positions.len()];
-    for (made, t) in history.after(0).zip(&history.reference) {
-        let of = input.parts.triangle_part[*t as usize];
-        made.corners.iter().for_each(|&v| part[v as usize] = of);
+impl<'a> Source<'a> {
+    fn new(input: &'a LodInput<'a>, history: &'a Progressive) -> Self {
+        let mut part = vec![0; input.mesh.positions.len()];
+        for (made, t) in history.after(0).zip(&history.reference) {
+            let of = input.parts.triangle_part[*t as usize];
+            made.corners.iter().for_each(|&v| part[v as usize] = of);
+        }
+        Source {
+            input,
+            history,
+            carry: Carry::new(input),
+            part,
+        }
     }
-    part
+
+    /// The mesh after so many of its collapses.
+    fn after(&self, collapses: usize) -> Lod {
+        let Source { input, part, .. } = self;
+        let mesh = input.mesh;
+        let position = |v: u32| mesh.positions[self.history.place[v as usize] as usize];
+        let lasting = self.history.after(collapses);
+        let made: Vec<&Made> = lasting
+            .filter(|t| has_area(t.corners.map(position)))
+            .collect();
+        let corners: Vec<[u32; 3]> = made.iter().map(|t| t.corners).collect();
+        let (triangles, vertices) = cache_order(&corners, mesh.positions.len());
+        // A vertex has one layer, as it has one part: parts are welded as the surface is.
+        let mut layer = vec![0; mesh.positions.len()];
+        for t in &made {
+            t.corners.iter().for_each(|&v| layer[v as usize] = t.layer);
+        }
+        let layer_of = |t: &[u32; 3]| layer[vertices[t[0] as usize] as usize];
+        let mut lod = Lod {
+            triangle_layer: triangles.iter().map(layer_of).collect(),
+            triangles,
+            error: made.iter().map(|t| t.deviation.total).fold(0.0, f32::max),
+            ..Lod::default()
+        };
+        let mut sides = Sides::new();
+        for &v in &vertices {
+            lod.positions.push(position(v));
+            let t3 = input.primary.t3_of(mesh, v as usize);
+            lod.t3.push(input.primary.to_grid(t3));
+            if let Some(carry) = &self.carry {
+                carry.push(&mut lod, &mut sides, (v, part[v as usize]), position(v));
+            }
+        }
+        lod.normals = smooth_normals(&lod.positions, &lod.triangles);
+        lod.turned = turned(&lod, input, |v| part[vertices[v as usize] as usize]);
+        lod
+    }
 }

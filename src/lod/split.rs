@@ -26,7 +26,10 @@ pub(super) fn split(
         .0
         .iter()
         .copied()
-        .filter(|t| joint.origins[t[0] as usize].mesh == m as u32 && has_area(simplified, t))
+        .filter(|t| {
+            joint.origins[t[0] as usize].mesh == m as u32
+                && has_area(t.map(|v| simplified.positions[v as usize]))
+        })
         .collect();
     let (triangles, vertices) = cache_order(&triangles, joint.positions.len());
     let mut lod = Lod {
@@ -55,9 +58,9 @@ pub(super) fn split(
     lod
 }
 
-/// Whether a triangle has area where the simplifier put its corners.
-fn has_area(simplified: &Simplified, t: &[u32; 3]) -> bool {
-    let [a, b, c] = t.map(|v| DVec3::from(simplified.positions[v as usize].map(f64::from)));
+/// Whether a triangle with these corners has area.
+pub(super) fn has_area(corners: [[f32; 3]; 3]) -> bool {
+    let [a, b, c] = corners.map(|p| DVec3::from(p.map(f64::from)));
     (b - a).cross(c - a) != DVec3::ZERO
 }
 

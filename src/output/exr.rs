@@ -165,9 +165,9 @@ fn capacity(what: &str, need: u64, have: u64) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ::exr::prelude::{ReadChannels, ReadLayers, read};
+    use ::exr::prelude::{AnyChannel, ReadChannels, ReadLayers, read};
 
-    fn read_back(bytes: &[u8]) -> Vec<(String, Vec<f32>)> {
+    fn channels(bytes: &[u8]) -> Vec<AnyChannel<FlatSamples>> {
         let image = read()
             .no_deep_data()
             .largest_resolution_level()
@@ -176,9 +176,14 @@ mod tests {
             .all_attributes()
             .from_buffered(Cursor::new(bytes))
             .unwrap();
-        let list = image.layer_data.channel_data.list.into_iter();
-        list.map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect()))
-            .collect()
+        image.layer_data.channel_data.list.into_vec()
+    }
+
+    fn read_back(bytes: &[u8]) -> Vec<(String, Vec<f32>)> {
+        let values = |c: AnyChannel<FlatSamples>| {
+            (c.name.to_string(), c.sample_data.values_as_f32().collect())
+        };
+        channels(bytes).into_iter().map(values).collect()
     }
 
     #[test]
@@ -214,15 +219,7 @@ mod tests {
     fn numbers_of_triangles_are_whole_however_large() {
         let (ids, b) = ([0, (1 << 24) + 1, u32::MAX], [[0.5, 0.25, 0.25]; 3]);
         let bytes = encode_exr_mapping(3, 1, &ids, &b).unwrap();
-        let image = read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .all_channels()
-            .first_valid_layer()
-            .all_attributes()
-            .from_buffered(Cursor::new(&bytes))
-            .unwrap();
-        let list = image.layer_data.channel_data.list;
+        let list = channels(&bytes);
         let of = |name: &str| list.iter().find(|c| c.name == *name).unwrap();
         let FlatSamples::U32(numbers) = &of("triangle.id").sample_data else {
             panic!("no UINT channel")

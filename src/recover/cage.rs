@@ -4,7 +4,7 @@
 //! cage. Triangles belong together by their numbers; vertices need not, since tools split them along seams as they like.
 
 use super::partner::stem;
-use super::standing::{Standing, standing};
+use super::standing::{Standing, standing_first};
 use crate::attribute::arithmetic::V3;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
@@ -21,10 +21,10 @@ impl<'a> Cage<'a> {
     /// # Errors
     /// [`Error::Input`] where a mesh leaves the range of floats.
     pub(super) fn new(scene: &'a Scene) -> Result<Cage<'a>> {
-        let mut taken = vec![false; scene.meshes.len()];
-        let mut meshes = standing(scene)?;
-        meshes.retain(|m| !std::mem::replace(&mut taken[m.number], true));
-        Ok(Cage { scene, meshes })
+        Ok(Cage {
+            scene,
+            meshes: standing_first(scene)?,
+        })
     }
 
     /// For each triangle of `low`, mesh `place` of `of` of the simple model, its corners on the cage, in the world. The cage's

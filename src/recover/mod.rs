@@ -63,6 +63,7 @@ pub use laid::UvLayout;
 pub use many::{Answer, Ask, Question, Triangles};
 pub use mapping::{Mapping, Misses, Probes, Recovery};
 pub use pair::{Pair, PairSettings};
+pub use partner::{Role, role};
 pub use prefilter::prefilter;
 pub use probe::Draw;
 pub use wanted::BakeAttribute;

@@ -13,7 +13,7 @@ use super::over_low::OverLow;
 use super::probe::Draw;
 use super::resample::{Fineness, resample};
 use super::source::Source;
-use super::standing::standing;
+use super::standing::standing_first;
 use super::surface::Tiles;
 use super::visible::{Field, Fields};
 use super::wanted::BakeAttribute;
@@ -95,9 +95,7 @@ pub(crate) fn lay(
     size: u32,
 ) -> Result<Vec<Laid>> {
     let cage = cage.map(Cage::new).transpose()?;
-    let mut taken = vec![false; low.meshes.len()];
-    let mut standing = standing(low)?;
-    standing.retain(|stood| !std::mem::replace(&mut taken[stood.number], true));
+    let standing = standing_first(low)?;
     let laying = Laying {
         file: &low.name,
         layout,

@@ -1,20 +1,43 @@
-//! Which meshes of two models belong together by name.
+//! Which models, and which meshes of two models, belong together by name.
 //!
 //! The convention is that of texture bakers: `wheel_low` takes its detail from `wheel_high`, `wheel_high_bolts`, `wheel_hp.001`
 //! and `wheel`.
 
-/// Endings of the simple mesh's name, and of a cage's.
-const LOW: [&str; 3] = ["_low", "_lp", "_cage"];
-/// What the detailed mesh's name has after what they share; more may follow.
-const HIGH: [&str; 2] = ["_high", "_hp"];
+/// What a mesh or a model is for, as its name says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// It is baked for.
+    Low,
+    /// Its detail is wanted; in the name of a mesh more may follow the ending.
+    High,
+    /// Rays run from it.
+    Cage,
+}
+
+/// The endings of names.
+const ENDINGS: [(&str, Role); 5] = [
+    ("_low", Role::Low),
+    ("_lp", Role::Low),
+    ("_high", Role::High),
+    ("_hp", Role::High),
+    ("_cage", Role::Cage),
+];
+
+/// What a name without an extension says that a model is for, and the name without that ending, in small letters; none where
+/// it says nothing.
+pub fn role(name: &str) -> Option<(String, Role)> {
+    let name = name.to_lowercase();
+    let cut = |&(ending, role): &(&str, Role)| Some((name.strip_suffix(ending)?.to_owned(), role));
+    let found = ENDINGS.iter().find_map(cut);
+    found.filter(|(stem, _)| !stem.is_empty())
+}
 
 /// The name of a simple mesh or of a cage without its ending, in small letters.
 pub(super) fn stem(low: &str) -> String {
-    let name = low.to_lowercase();
-    let cut = LOW.iter().find_map(|ending| name.strip_suffix(ending));
-    cut.filter(|stem| !stem.is_empty())
-        .unwrap_or(&name)
-        .to_owned()
+    match role(low) {
+        Some((stem, Role::Low | Role::Cage)) => stem,
+        _ => low.to_lowercase(),
+    }
 }
 
 /// Whether mesh `high` of the detailed model is meant for mesh `low` of the simple one.
@@ -31,7 +54,8 @@ pub(super) fn belongs(high: &str, low: &str) -> bool {
             .and_then(|rest| rest.strip_prefix(word))
     };
     let ends = |rest: &str| rest.chars().next().is_none_or(|c| !c.is_alphabetic());
-    HIGH.iter().any(|word| rest(word).is_some_and(ends))
+    let mut endings = ENDINGS.iter().filter(|(_, role)| *role == Role::High);
+    endings.any(|(word, _)| rest(word).is_some_and(ends))
 }
 
 #[cfg(test)]
@@ -62,5 +86,8 @@ mod tests {
             assert!(!belongs(high, low), "{high} {low}");
         }
         assert_eq!(stem("Wheel_cage"), "wheel");
+        assert_eq!(stem("Wheel_high"), "wheel_high");
+        assert_eq!(role("Wheel_HP"), Some(("wheel".into(), Role::High)));
+        assert_eq!((role("wheel"), role("_low")), (None, None));
     }
 }

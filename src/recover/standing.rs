@@ -28,6 +28,17 @@ pub(super) fn standing(scene: &Scene) -> Result<Vec<Standing>> {
     instances.iter().map(|i| stand(scene, i, &pose)).collect()
 }
 
+/// Each mesh where its first instance stands at rest.
+///
+/// # Errors
+/// As [`standing`].
+pub(super) fn standing_first(scene: &Scene) -> Result<Vec<Standing>> {
+    let mut taken = vec![false; scene.meshes.len()];
+    let mut all = standing(scene)?;
+    all.retain(|stood| !std::mem::replace(&mut taken[stood.number], true));
+    Ok(all)
+}
+
 fn stand(scene: &Scene, instance: &Instance, pose: &Pose) -> Result<Standing> {
     let rest = &scene.meshes[instance.mesh];
     let deformation = Deformation::of(scene, instance, pose);

@@ -25,7 +25,7 @@ pub use overlay::Deviation;
 use super::LodInput;
 use crate::error::{Error, Result};
 use crate::param::PrimaryKind;
-use crate::param::projection::Line;
+use crate::param::projection::{Line, orientation};
 use glam::DVec3;
 use overlay::{Asked, Overlay};
 
@@ -128,7 +128,7 @@ pub fn deviation_of(
     let asked = Asked {
         t3: t3.map(|p| DVec3::from(p.map(f64::from))),
         corners: corners.map(|p| DVec3::from(p.map(f64::from))),
-        sense: overlay::sense(overlay.line, &t3),
+        sense: orientation(overlay.line, &t3),
     };
     let all: Vec<u32> = (0..input.mesh.triangles.len() as u32).collect();
     Ok(overlay.deviation(&asked, &all, &mut Vec::new()))

@@ -20,7 +20,7 @@
 use super::radial;
 use crate::mesh::Mesh;
 use crate::param::Primary;
-use crate::param::projection::{GridTriangle, Line, orientation};
+use crate::param::projection::{Line, orientation};
 use glam::DVec3;
 
 /// Largest distances between points of a simplified triangle and the points of the reference that they stand for, in
@@ -318,9 +318,4 @@ impl Squares {
             normal: self.normal.sqrt(),
         }
     }
-}
-
-/// The sense in which lines meet a triangle of grid points.
-pub(super) fn sense(line: Line, triangle: &GridTriangle) -> i32 {
-    orientation(line, triangle)
 }

@@ -7,10 +7,11 @@
 //! texture may each be displaced so far.
 
 use super::live::{Fan, Live, Star};
-use super::overlay::{Asked, Deviation, Overlay, sense};
+use super::overlay::{Asked, Deviation, Overlay};
 use super::quadric::Quadric;
 use super::rim::{NewRim, Rims};
 use crate::lod::LodInput;
+use crate::param::projection::orientation;
 use glam::DVec3;
 use std::cmp::Ordering;
 
@@ -165,7 +166,7 @@ impl<'a> Surface<'a> {
     }
 
     fn sense(&self, corners: [u32; 3]) -> i32 {
-        sense(self.overlay.line, &corners.map(|v| self.grid[v as usize]))
+        orientation(self.overlay.line, &corners.map(|v| self.grid[v as usize]))
     }
 
     /// The triangles that a collapse of `u` makes, laid over the reference.

@@ -53,6 +53,7 @@ pub(super) fn solve(ring: &Annulus) -> Option<Flat> {
 }
 
 /// An edge of the sides: from a to b the angle goes on by `turns` besides what they have.
+#[derive(Clone, Copy)]
 struct Joint {
     a: u32,
     b: u32,
@@ -106,14 +107,6 @@ fn edges(ring: &Annulus) -> Vec<Joint> {
         });
     whole.collect()
 }
-
-impl Clone for Joint {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl Copy for Joint {}
 
 /// Values with every vertex that is not `known` the mean of its neighbours, across turns where `turning`.
 fn means(edges: &[Joint], known: &[Option<f64>], turning: bool) -> Option<Vec<f64>> {
