@@ -23,6 +23,7 @@ mod carry;
 pub mod deviation;
 mod joint;
 mod motion;
+pub mod multiresolution;
 mod nested;
 mod order;
 pub mod progressive;

@@ -1,0 +1,133 @@
+//! Which collapses a view accepts, and the triangles between those and the others.
+//!
+//! In: a [`Multiresolution`], a [`View`], what was accepted in the picture before. Out: a [`Cut`]. From the top of the tree
+//! down, nodes of blocks that are not accepted as a whole are asked one by one; of collapses that are not accepted those
+//! triangles are drawn whose makers are.
+//!
+//! Hysteresis: what the last cut had finer becomes coarser only under the tighter limit. Both limits give closed sets, and what
+//! was accepted before is one: so is the new one.
+
+use super::tree::BLOCK;
+use super::view::{Limit, View};
+use super::{Multiresolution, NEVER};
+
+/// Triangles that a view is drawn with.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Cut {
+    /// Numbers in [`Multiresolution::faces`], in growing order.
+    pub faces: Vec<u32>,
+    /// Nodes and blocks that were asked.
+    pub asked: usize,
+}
+
+/// What was accepted in a picture: where blocks were looked into, and the collapses found there.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Memory {
+    /// For each level of the tree a bit for each node: of a collapse whether it was accepted, of a block whether it was as a
+    /// whole. Bits below a block that was accepted say nothing.
+    levels: Vec<Vec<u64>>,
+}
+
+impl Memory {
+    /// Whether node `n` of level `level` was accepted.
+    fn accepted(&self, level: usize, n: usize) -> bool {
+        (level..self.levels.len()).rev().any(|l| {
+            let at = n / BLOCK.pow((l - level) as u32);
+            self.levels[l][at / BLOCK] >> (at % BLOCK) & 1 == 1
+        })
+    }
+}
+
+/// A selection under way.
+struct Selection<'a> {
+    model: &'a Multiresolution,
+    view: &'a View,
+    before: &'a Memory,
+    now: Memory,
+    asked: usize,
+}
+
+impl Multiresolution {
+    /// The cut for a view; `memory` holds what was accepted in the picture before, none at first, and this one's afterwards.
+    pub fn select(&self, view: &View, memory: &mut Memory) -> Cut {
+        let mut selection = Selection::new(self, view, memory);
+        let refused = selection.refused();
+        let mut faces: Vec<u32> = refused.iter().flat_map(|&n| selection.drawn(n)).collect();
+        faces.sort_unstable();
+        let asked = selection.asked;
+        *memory = selection.now;
+        Cut { faces, asked }
+    }
+
+    /// The triangles of node `n`.
+    fn faces_of(&self, n: usize) -> std::ops::Range<u32> {
+        let nodes = &self.levels[0];
+        let end = nodes
+            .get(n + 1)
+            .map_or(self.faces.len() as u32, |next| next.first);
+        nodes[n].first..end
+    }
+}
+
+impl<'a> Selection<'a> {
+    fn new(model: &'a Multiresolution, view: &'a View, before: &'a Memory) -> Self {
+        let words = |nodes: &Vec<_>| vec![0; nodes.len().div_ceil(BLOCK)];
+        Selection {
+            model,
+            view,
+            before,
+            now: Memory {
+                levels: model.levels.iter().map(words).collect(),
+            },
+            asked: 0,
+        }
+    }
+
+    /// The collapses that are not accepted; those that stay for ever among them.
+    fn refused(&mut self) -> Vec<u32> {
+        let top = self.model.levels.len() - 1;
+        let mut asked: Vec<u32> = (0..self.model.levels[top].len() as u32).collect();
+        for level in (0..=top).rev() {
+            asked.retain(|&n| !self.ask(level, n as usize));
+            if level > 0 {
+                let below = self.model.levels[level - 1].len();
+                let nodes = |&block: &u32| {
+                    let first = block as usize * BLOCK;
+                    first as u32..(first + BLOCK).min(below) as u32
+                };
+                asked = asked.iter().flat_map(nodes).collect();
+            }
+        }
+        asked
+    }
+
+    /// Whether a node is accepted; it is remembered.
+    fn ask(&mut self, level: usize, n: usize) -> bool {
+        self.asked += 1;
+        let accepts = |limit: Limit| {
+            let colour = |footprint: usize| match &self.model.colours {
+                Some(colours) => colours.at(level, n, footprint),
+                None => [0.0; 2],
+            };
+            self.view
+                .accepts(&self.model.levels[level][n], &colour, limit)
+        };
+        // What stays is at the end; blocks of it and of others are asked as any.
+        let is_collapse = level > 0 || n < self.model.collapses();
+        let accepted = is_collapse
+            && (accepts(Limit::Coarsen)
+                || (level == 0 && self.before.accepted(0, n) && accepts(Limit::Stay)));
+        if accepted {
+            self.now.levels[level][n / BLOCK] |= 1 << (n % BLOCK);
+        }
+        accepted
+    }
+
+    /// The triangles that go by a collapse that is not accepted, and were made by one that is, or never.
+    fn drawn(&self, n: u32) -> impl Iterator<Item = u32> {
+        self.model.faces_of(n as usize).filter(|&f| {
+            let made = self.model.faces[f as usize].made;
+            made == NEVER || self.now.accepted(0, made as usize)
+        })
+    }
+}
