@@ -1,8 +1,10 @@
 //! Cuts of multiresolution models: each is a mesh as sound as the reference, whoever looks from wherever; they follow the view;
 //! limits are what no triangle that is seen exceeds.
 
+mod camera;
 mod parted;
 
+use camera::{looking, parallel, perspective};
 use glam::{DMat4, DVec3, DVec4};
 use invertex::lod::multiresolution::{Cut, Limits, Memory, Multiresolution, NEVER, Seen};
 use invertex::lod::progressive::Progressive;
@@ -31,7 +33,7 @@ impl Subject {
 
     fn select(&self, seen: &Seen, limits: &Limits, memory: &mut Memory) -> Cut {
         self.cuts
-            .select(&self.cuts.view(seen, limits).unwrap(), memory)
+            .select(&[self.cuts.view(seen, limits).unwrap()], memory)
     }
 
     fn cut(&self, seen: &Seen, limits: &Limits) -> Cut {
@@ -86,37 +88,6 @@ impl Subject {
             assert_eq!(sense, 1, "turned: {made:?}");
         }
     }
-}
-
-/// From the world to a camera at `eye` that looks at a point.
-fn looking(eye: DVec3, at: DVec3, up: DVec3) -> DMat4 {
-    let back = (eye - at).normalize();
-    let right = up.cross(back).normalize();
-    let up = back.cross(right);
-    let turned = DMat4::from_cols(
-        right.extend(0.0),
-        up.extend(0.0),
-        back.extend(0.0),
-        DVec4::W,
-    );
-    turned.transpose() * DMat4::from_translation(-eye)
-}
-
-/// `angle` is half the height's.
-fn perspective(angle: f64, aspect: f64) -> DMat4 {
-    let y = 1.0 / angle.tan();
-    DMat4::from_cols(
-        DVec4::X * (y / aspect),
-        DVec4::Y * y,
-        DVec4::NEG_W,
-        DVec4::Z * 1e-3,
-    )
-}
-
-/// A picture that is `half` units high from its middle.
-fn parallel(half: f64, aspect: f64) -> DMat4 {
-    let scale = DVec3::new(1.0 / (half * aspect), 1.0 / half, -1e-5);
-    DMat4::from_scale(scale)
 }
 
 /// The `i`th of views all over the place: inside, near, far, perspective and parallel.

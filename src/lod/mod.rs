@@ -28,6 +28,7 @@ mod nested;
 mod order;
 pub mod progressive;
 mod simplify;
+mod source;
 mod split;
 mod tree;
 

@@ -3,13 +3,12 @@
 //! In: meshes and fractions. Out: chains, each level a prefix of its mesh's collapses. The next collapse of the whole model is
 //! the cheapest of all meshes', in world units; so a level is cut at one price everywhere.
 
-use super::carry::{Carry, Sides};
 use super::joint::world;
-use super::progressive::{Made, Progressive};
-use super::split::{cache_order, has_area, per_object_unit, turned};
+use super::progressive::Progressive;
+use super::source::Source;
+use super::split::per_object_unit;
 use super::{Lod, LodInput};
 use crate::error::Result;
-use crate::mesh::smooth_normals;
 use rayon::prelude::*;
 
 /// A mesh simplifies on by this factor below its own share of the coarsest level: others may need the triangles more.
@@ -32,7 +31,7 @@ pub(super) fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<V
         let source = Source::new(input, history);
         let lod = |level: &Level| Lod {
             reached: level.reached,
-            ..source.after(level.collapses[m])
+            ..source.lod(history.after(level.collapses[m]))
         };
         levels.iter().map(lod).collect()
     });
@@ -96,67 +95,5 @@ impl Order {
             collapses,
             reached: triangles <= target,
         }
-    }
-}
-
-/// A mesh that levels are made of.
-struct Source<'a> {
-    input: &'a LodInput<'a>,
-    history: &'a Progressive,
-    carry: Option<Carry<'a>>,
-    /// For each vertex of the surface its part.
-    part: Vec<u32>,
-}
-
-impl<'a> Source<'a> {
-    fn new(input: &'a LodInput<'a>, history: &'a Progressive) -> Self {
-        let mut part = vec![0; input.mesh.positions.len()];
-        for (made, t) in history.after(0).zip(&history.reference) {
-            let of = input.parts.triangle_part[*t as usize];
-            made.corners.iter().for_each(|&v| part[v as usize] = of);
-        }
-        Source {
-            input,
-            history,
-            carry: Carry::new(input),
-            part,
-        }
-    }
-
-    /// The mesh after so many of its collapses.
-    fn after(&self, collapses: usize) -> Lod {
-        let Source { input, part, .. } = self;
-        let mesh = input.mesh;
-        let position = |v: u32| mesh.positions[self.history.place[v as usize] as usize];
-        let lasting = self.history.after(collapses);
-        let made: Vec<&Made> = lasting
-            .filter(|t| has_area(t.corners.map(position)))
-            .collect();
-        let corners: Vec<[u32; 3]> = made.iter().map(|t| t.corners).collect();
-        let (triangles, vertices) = cache_order(&corners, mesh.positions.len());
-        // A vertex has one layer, as it has one part: parts are welded as the surface is.
-        let mut layer = vec![0; mesh.positions.len()];
-        for t in &made {
-            t.corners.iter().for_each(|&v| layer[v as usize] = t.layer);
-        }
-        let layer_of = |t: &[u32; 3]| layer[vertices[t[0] as usize] as usize];
-        let mut lod = Lod {
-            triangle_layer: triangles.iter().map(layer_of).collect(),
-            triangles,
-            error: made.iter().map(|t| t.deviation.total).fold(0.0, f32::max),
-            ..Lod::default()
-        };
-        let mut sides = Sides::new();
-        for &v in &vertices {
-            lod.positions.push(position(v));
-            let t3 = input.primary.t3_of(mesh, v as usize);
-            lod.t3.push(input.primary.to_grid(t3));
-            if let Some(carry) = &self.carry {
-                carry.push(&mut lod, &mut sides, (v, part[v as usize]), position(v));
-            }
-        }
-        lod.normals = smooth_normals(&lod.positions, &lod.triangles);
-        lod.turned = turned(&lod, input, |v| part[vertices[v as usize] as usize]);
-        lod
     }
 }

@@ -24,12 +24,16 @@
 //! Magillo and Puppo 1997, Building and traversing a surface at variable resolution (multi-triangulations).
 
 mod bound;
+mod colour;
+mod hierarchy;
 mod node;
 mod select;
 mod tree;
 mod view;
 
 pub use bound::Bound;
+pub use colour::{Colours, FaceColours, StepColours, decoded, encoded};
+pub use hierarchy::Hierarchy;
 pub use select::{Cut, Memory};
 pub use view::{Limits, MAX_LEVELS, Seen, View};
 
@@ -67,35 +71,12 @@ pub struct Face {
     pub made: u32,
 }
 
-/// Colour deviations of nodes and blocks.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Colours {
-    /// Object units of a pixel at level 0; each level's are twice those of the one before.
-    pub footprint: f32,
-    /// Levels of footprints, at most [`MAX_LEVELS`].
-    pub levels: usize,
-    /// For each level of the tree, for each of its nodes, for each footprint: codes of the tangential deviation and of the
-    /// product ([`Colours::decoded`]).
-    pub codes: Vec<Vec<[u8; 2]>>,
-}
-
-/// Colour deviations of every triangle of a history.
-#[derive(Clone, Copy, Debug)]
-pub struct FaceColours<'a> {
-    /// Object units of a pixel at level 0.
-    pub footprint: f32,
-    /// Levels of footprints.
-    pub levels: usize,
-    /// For each triangle, for each level: tangential deviation and product.
-    pub of: &'a [[f32; 2]],
-}
-
 impl Multiresolution {
-    /// The model of a history whose triangles' vertices lie at `positions`.
+    /// The model of a history whose triangles' vertices lie at `positions`. `colours` fit ([`StepColours::fits`]).
     pub fn new(
         history: &Progressive,
         positions: &[[f32; 3]],
-        colours: Option<FaceColours<'_>>,
+        colours: Option<&StepColours>,
     ) -> Self {
         tree::model(history, positions, colours)
     }

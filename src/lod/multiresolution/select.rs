@@ -41,16 +41,16 @@ impl Memory {
 /// A selection under way.
 struct Selection<'a> {
     model: &'a Multiresolution,
-    view: &'a View,
+    views: &'a [View],
     before: &'a Memory,
     now: Memory,
     asked: usize,
 }
 
 impl Multiresolution {
-    /// The cut for a view; `memory` holds what was accepted in the picture before, none at first, and this one's afterwards.
-    pub fn select(&self, view: &View, memory: &mut Memory) -> Cut {
-        let mut selection = Selection::new(self, view, memory);
+    /// The cut for a view, or the one that will do for several: of each instance that is drawn. `memory` holds what was accepted in the picture before, none at first, and this one's afterwards.
+    pub fn select(&self, views: &[View], memory: &mut Memory) -> Cut {
+        let mut selection = Selection::new(self, views, memory);
         let refused = selection.refused();
         let mut faces: Vec<u32> = refused.iter().flat_map(|&n| selection.drawn(n)).collect();
         faces.sort_unstable();
@@ -70,11 +70,11 @@ impl Multiresolution {
 }
 
 impl<'a> Selection<'a> {
-    fn new(model: &'a Multiresolution, view: &'a View, before: &'a Memory) -> Self {
+    fn new(model: &'a Multiresolution, views: &'a [View], before: &'a Memory) -> Self {
         let words = |nodes: &Vec<_>| vec![0; nodes.len().div_ceil(BLOCK)];
         Selection {
             model,
-            view,
+            views,
             before,
             now: Memory {
                 levels: model.levels.iter().map(words).collect(),
@@ -109,8 +109,10 @@ impl<'a> Selection<'a> {
                 Some(colours) => colours.at(level, n, footprint),
                 None => [0.0; 2],
             };
-            self.view
-                .accepts(&self.model.levels[level][n], &colour, limit)
+            let bound = &self.model.levels[level][n];
+            self.views
+                .iter()
+                .all(|view| view.accepts(bound, &colour, limit))
         };
         // What stays is at the end; blocks of it and of others are asked as any.
         let is_collapse = level > 0 || n < self.model.collapses();

@@ -7,7 +7,7 @@
 
 use super::live::{Face, NEVER};
 use super::plan::{Candidate, Plan, Surface, cheaper};
-use super::{Collapse, Made, Progressive};
+use super::{Collapse, Progressive};
 use crate::lod::LodInput;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -39,7 +39,7 @@ pub(super) fn simplify(input: &LodInput<'_>, least: usize) -> Progressive {
             break;
         }
     }
-    work.history()
+    work.surface.live.history(work.collapses)
 }
 
 impl<'a> Work<'a> {
@@ -194,21 +194,5 @@ impl<'a> Work<'a> {
             to,
             price: dearest.max(price),
         });
-    }
-
-    fn history(self) -> Progressive {
-        let triangles = self.surface.live.faces.into_iter().map(|face| Made {
-            corners: face.corners,
-            layer: face.layer,
-            deviation: face.deviation,
-            made: (face.made != NEVER).then_some(face.made),
-            gone: (face.gone != NEVER).then_some(face.gone),
-        });
-        Progressive {
-            triangles: triangles.collect(),
-            place: self.surface.live.place,
-            reference: self.surface.live.reference,
-            collapses: self.collapses,
-        }
     }
 }

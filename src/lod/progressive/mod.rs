@@ -18,9 +18,11 @@ mod overlay;
 mod plan;
 mod quadric;
 mod radial;
+mod replay;
 mod rim;
 
 pub use overlay::Deviation;
+pub use replay::Steps;
 
 use super::LodInput;
 use crate::error::{Error, Result};

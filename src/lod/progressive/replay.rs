@@ -1,0 +1,129 @@
+//! A history made again from its steps.
+//!
+//! In: a mesh, which place became which, how far the triangles that came of it lie from the reference. Out: the [`Progressive`]
+//! that the steps came from, or what is wrong with them: steps may come from anywhere. A step is made only where it keeps the
+//! surface one, so that a history that was made is as sound as one that was found.
+
+use super::live::{Face, Fan, Live, NEVER};
+use super::{Collapse, Deviation, Made, Progressive};
+use crate::lod::LodInput;
+
+/// What a history is made again from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Steps {
+    /// For each collapse the place that goes and the place it becomes.
+    pub places: Vec<[u32; 2]>,
+    /// For each triangle that a collapse makes, in order, its deviation.
+    pub deviations: Vec<Deviation>,
+}
+
+impl Progressive {
+    /// What [`Progressive::replay`] makes it again from; prices are left out.
+    pub fn steps(&self) -> Steps {
+        let made = self.triangles.iter().filter(|t| t.made.is_some());
+        Steps {
+            places: self.collapses.iter().map(|c| [c.from, c.to]).collect(),
+            deviations: made.map(|t| t.deviation).collect(),
+        }
+    }
+
+    /// The history of `input`'s mesh with these steps; the price of a collapse is the largest deviation so far.
+    ///
+    /// # Errors
+    /// What is wrong, in words: a step that the surface does not allow (of another mesh, say), deviations that are too few or
+    /// none.
+    pub fn replay(input: &LodInput<'_>, steps: &Steps) -> std::result::Result<Self, String> {
+        let is_none = |d: &Deviation| !(d.total >= 0.0 && d.tangential >= 0.0 && d.normal >= 0.0);
+        if let Some(k) = steps.deviations.iter().position(is_none) {
+            return Err(format!("deviation {k} is not a distance"));
+        }
+        let mut replay = Replay {
+            live: Live::new(input),
+            deviations: steps.deviations.iter(),
+            collapses: Vec::with_capacity(steps.places.len()),
+        };
+        for &[from, to] in &steps.places {
+            let number = replay.collapses.len();
+            replay
+                .step(from, to)
+                .map_err(|reason| format!("collapse {number} of {from} onto {to} {reason}"))?;
+        }
+        match replay.deviations.len() {
+            0 => Ok(replay.live.history(replay.collapses)),
+            n => Err(format!("{n} deviations of no triangle")),
+        }
+    }
+}
+
+struct Replay<'a> {
+    live: Live,
+    deviations: std::slice::Iter<'a, Deviation>,
+    collapses: Vec<Collapse>,
+}
+
+impl Replay<'_> {
+    fn step(&mut self, from: u32, to: u32) -> std::result::Result<(), &'static str> {
+        let live = &mut self.live;
+        if from as usize >= live.round.len() {
+            return Err("has no such place");
+        }
+        let (fan, onto) = live.fan(from);
+        if fan == Fan::Broken || !onto.contains(&to) {
+            return Err("is between places that are no neighbours, or of one that may not go");
+        }
+        let star = live
+            .star(from, to)
+            .ok_or("would tear or double the surface")?;
+        let number = self.collapses.len() as u32;
+        let mut dearest = self.collapses.last().map_or(0.0, |c| c.price);
+        let layers: Vec<u8> = star
+            .turned
+            .iter()
+            .map(|&(f, _)| live.faces[f as usize].layer)
+            .collect();
+        let turned = star.turned.iter().map(|&(f, _)| f);
+        for f in star.lost.iter().copied().chain(turned) {
+            live.remove(f, number);
+        }
+        for (&(_, corners), layer) in star.turned.iter().zip(layers) {
+            let deviation = *self
+                .deviations
+                .next()
+                .ok_or("makes triangles without a deviation")?;
+            dearest = dearest.max(f64::from(deviation.total));
+            live.push(Face {
+                corners,
+                layer,
+                deviation,
+                covers: Vec::new(),
+                made: number,
+                gone: NEVER,
+            });
+        }
+        self.collapses.push(Collapse {
+            from,
+            to,
+            price: dearest,
+        });
+        Ok(())
+    }
+}
+
+impl Live {
+    /// What became of the surface.
+    pub(super) fn history(self, collapses: Vec<Collapse>) -> Progressive {
+        let triangles = self.faces.into_iter().map(|face| Made {
+            corners: face.corners,
+            layer: face.layer,
+            deviation: face.deviation,
+            made: (face.made != NEVER).then_some(face.made),
+            gone: (face.gone != NEVER).then_some(face.gone),
+        });
+        Progressive {
+            triangles: triangles.collect(),
+            place: self.place,
+            reference: self.reference,
+            collapses,
+        }
+    }
+}
