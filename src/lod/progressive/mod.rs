@@ -13,6 +13,7 @@
 //! sections 2.1 and 3.
 
 mod collapse;
+pub mod colour;
 mod live;
 mod overlay;
 mod plan;
