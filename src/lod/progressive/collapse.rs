@@ -5,23 +5,26 @@
 //! exactly, and those that keep within the price are made. They do not touch each other, so they are measured on all cores,
 //! and the history is shallow; the result does not depend on the cores.
 
-use super::live::{Face, NEVER};
-use super::plan::{Candidate, Plan, Surface, cheaper};
+use super::overlay::Scratch;
+use super::plan::{Plan, Surface, cheaper};
 use super::{Collapse, Progressive};
 use crate::lod::LodInput;
 use rayon::prelude::*;
-use std::collections::HashSet;
 
 /// Of the candidates the share that a round considers.
 const SHARE: usize = 4;
 
+/// Candidates that one processor plans at a time, at least: its scratch is filled anew for each such piece.
+const PIECE: usize = 32;
+
 /// The work: the surface, candidates, what was done.
 struct Work<'a> {
     surface: Surface<'a>,
-    /// For each place.
-    candidates: Vec<Option<Candidate>>,
+    /// For each place what its collapse seems to cost, and once it is planned, what it costs; infinite where there is none.
+    prices: Vec<f64>,
+    plans: Vec<Option<Box<Plan>>>,
     collapses: Vec<Collapse>,
-    /// For each face the round that last considered it.
+    /// For each place the last round in which it or a neighbour was considered.
     taken: Vec<u32>,
     rounds: u32,
 }
@@ -29,9 +32,7 @@ struct Work<'a> {
 /// Simplifies until at most `least` triangles are left, or nothing may collapse.
 pub(super) fn simplify(input: &LodInput<'_>, least: usize) -> Progressive {
     let mut work = Work::new(input);
-    let mut dirty: Vec<u32> = (0..work.surface.live.round.len() as u32)
-        .filter(|&u| !work.surface.live.round[u as usize].is_empty())
-        .collect();
+    let mut dirty: Vec<u32> = (0..work.prices.len() as u32).collect();
     while work.surface.live.count > least {
         work.look_at(&dirty);
         dirty = work.round(least);
@@ -45,23 +46,24 @@ pub(super) fn simplify(input: &LodInput<'_>, least: usize) -> Progressive {
 impl<'a> Work<'a> {
     fn new(input: &LodInput<'a>) -> Self {
         let surface = Surface::new(input);
+        let places = surface.live.round.count();
         Work {
-            candidates: vec![None; surface.live.round.len()],
             surface,
+            prices: vec![f64::INFINITY; places],
+            plans: (0..places).map(|_| None).collect(),
             collapses: Vec::new(),
-            taken: Vec::new(),
+            taken: vec![0; places],
             rounds: 0,
         }
     }
 
-    /// Finds the candidates of `places` anew.
+    /// Estimates the candidates of `places` anew.
     fn look_at(&mut self, places: &[u32]) {
-        let found: Vec<_> = places
-            .par_iter()
-            .map(|&u| self.surface.candidate(u))
-            .collect();
-        for (&u, candidate) in places.iter().zip(found) {
-            self.candidates[u as usize] = candidate;
+        let surface = &self.surface;
+        let found: Vec<f64> = places.par_iter().map(|&u| surface.estimate(u)).collect();
+        for (&u, price) in places.iter().zip(found) {
+            self.prices[u as usize] = price;
+            self.plans[u as usize] = None;
         }
     }
 
@@ -72,8 +74,8 @@ impl<'a> Work<'a> {
         };
         let apart = self.apart(&cheap);
         self.plan(&apart);
-        let price = |u: u32| Some((self.candidates[u as usize].as_ref()?.price, u));
-        let mut ordered: Vec<(f64, u32)> = apart.into_iter().filter_map(price).collect();
+        let price = |u: u32| (self.prices[u as usize], u);
+        let mut ordered: Vec<(f64, u32)> = apart.into_iter().map(price).collect();
         ordered.sort_unstable_by(cheaper);
         // Where all turn out dearer than they seemed, the cheapest of them sets the price.
         let limit = ordered.first().map_or(limit, |first| first.0.max(limit));
@@ -83,31 +85,28 @@ impl<'a> Work<'a> {
 
     /// The cheapest candidates in order, and the price up to which they are that.
     fn cheapest(&self) -> Option<(Vec<u32>, f64)> {
-        let price = |(u, c): (usize, &Option<Candidate>)| Some((c.as_ref()?.price, u as u32));
-        let mut priced: Vec<(f64, u32)> = self
-            .candidates
-            .iter()
-            .enumerate()
-            .filter_map(price)
-            .filter(|priced| priced.0.is_finite())
+        let priced = self.prices.iter().zip(0u32..);
+        let mut priced: Vec<(f64, u32)> = priced
+            .filter(|(price, _)| price.is_finite())
+            .map(|(&price, u)| (price, u))
             .collect();
         let last = priced.len().checked_sub(1)? / SHARE;
         let (_, &mut (limit, _), _) = priced.select_nth_unstable_by(last, cheaper);
         priced.truncate(last + 1);
-        priced.sort_unstable_by(cheaper);
+        priced.par_sort_unstable_by(cheaper);
         Some((priced.into_iter().map(|(_, u)| u).collect(), limit))
     }
 
-    /// Of candidates in order those that share no face with an earlier one.
+    /// Of candidates in order those that share no face with an earlier one: they are no neighbours.
     fn apart(&mut self, ordered: &[u32]) -> Vec<u32> {
-        self.taken.resize(self.surface.live.faces.len(), 0);
         self.rounds += 1;
-        let (taken, now) = (&mut self.taken, self.rounds);
+        let (live, taken, now) = (&self.surface.live, &mut self.taken, self.rounds);
         let is_apart = |u: &u32| {
-            let round = &self.surface.live.round[*u as usize];
-            let free = round.iter().all(|&f| taken[f as usize] != now);
+            let free = taken[*u as usize] != now;
             if free {
-                round.iter().for_each(|&f| taken[f as usize] = now);
+                let round = live.round.get(*u).iter();
+                let places = round.flat_map(|&f| live.faces[f as usize].places);
+                places.for_each(|p| taken[p as usize] = now);
             }
             free
         };
@@ -116,78 +115,69 @@ impl<'a> Work<'a> {
 
     /// Plans the candidates of `places` that are not planned yet.
     fn plan(&mut self, places: &[u32]) {
-        let unplanned = |u: &u32| {
-            let candidate = self.candidates[*u as usize].as_ref();
-            candidate.is_some_and(|c| c.plan.is_none())
-        };
+        let unplanned = |u: &u32| self.plans[*u as usize].is_none();
         let places: Vec<u32> = places.iter().copied().filter(unplanned).collect();
-        let plans: Vec<_> = places
-            .par_iter()
-            .map(|&u| self.surface.planned(u))
-            .collect();
-        for (&u, plan) in places.iter().zip(plans) {
-            self.surface.known[u as usize] = plan.as_ref().map_or(0.0, |plan| plan.price);
-            self.candidates[u as usize] = plan;
+        let (surface, made) = (&self.surface, self.collapses.len() as u32);
+        let planned = |scratch: &mut Scratch, &u: &u32| surface.planned(u, made, scratch);
+        let pieces = places.par_iter().with_min_len(PIECE);
+        let plans: Vec<_> = pieces.map_init(Scratch::default, planned).collect();
+        for (u, plan) in places.into_iter().map(|u| u as usize).zip(plans) {
+            let price = plan.as_ref().map(|plan| plan.price);
+            self.surface.known[u] = price.unwrap_or(0.0);
+            self.prices[u] = price.unwrap_or(f64::INFINITY);
+            self.plans[u] = plan;
         }
     }
 
-    /// Makes those of the candidates, in order, that meet no other of this round.
+    /// Makes the collapses of places, in order; the places whose surroundings changed.
     fn make(&mut self, ordered: &[(f64, u32)], least: usize) -> Vec<u32> {
-        let mut changed: HashSet<u32> = HashSet::new();
+        let before = self.collapses.len() as u32;
+        let mut dirty = Vec::new();
         for &(price, u) in ordered {
             if self.surface.live.count <= least {
                 break;
             }
-            let Some(candidate) = self.candidates[u as usize].take() else {
+            let Some(plan) = self.plans[u as usize].take() else {
                 continue;
             };
-            changed.insert(u);
-            let Some(plan) = candidate.plan else {
+            if !self.holds(u, &plan) {
+                dirty.push(u);
                 continue;
-            };
-            // Where the neighbour gained neighbours meanwhile the surface might close on itself: it is looked at again.
-            if self.surface.live.star(u, plan.to).as_ref() == Some(&plan.star) {
-                self.collapse(u, plan, price, &mut changed);
             }
+            let live = &self.surface.live;
+            let round = live.round.get(u).iter();
+            let around = round.flat_map(|&f| live.faces[f as usize].places);
+            let unseen = |&p: &u32| live.changed[p as usize] <= before;
+            dirty.extend(around.filter(unseen));
+            self.collapse(u, *plan, price);
         }
-        let mut changed: Vec<u32> = changed
-            .into_iter()
-            .filter(|&u| !self.surface.live.round[u as usize].is_empty())
-            .collect();
-        changed.sort_unstable();
-        changed
+        let live = &self.surface.live;
+        dirty.sort_unstable();
+        dirty.dedup();
+        for &u in dirty.iter().filter(|&&u| live.round.get(u).is_empty()) {
+            self.prices[u as usize] = f64::INFINITY;
+        }
+        dirty.retain(|&u| !live.round.get(u).is_empty());
+        dirty
     }
 
-    fn collapse(&mut self, u: u32, plan: Plan, price: f64, changed: &mut HashSet<u32>) {
-        let number = self.collapses.len() as u32;
-        let Plan {
-            to,
-            star,
-            measured,
-            rims,
-        } = plan;
-        for &f in &self.surface.live.round[u as usize] {
-            changed.extend(self.surface.live.places(f));
-        }
-        let layer = |&(f, _): &(u32, [u32; 3])| self.surface.live.faces[f as usize].layer;
-        let layers: Vec<u8> = star.turned.iter().map(layer).collect();
-        let turned = star.turned.iter().map(|(f, _)| f);
-        for &f in star.lost.iter().chain(turned) {
-            self.surface.live.remove(f, number);
-        }
-        for ((&(_, corners), measured), layer) in star.turned.iter().zip(measured).zip(layers) {
-            self.surface.live.push(Face {
-                corners,
-                layer,
-                deviation: measured.deviation,
-                covers: measured.covers,
-                made: number,
-                gone: NEVER,
-            });
-        }
-        self.surface.rims.renew(rims);
-        let gone = self.surface.quadrics[u as usize];
-        self.surface.quadrics[to as usize] += &gone;
+    /// Whether a collapse is still what was planned: where the neighbour gained neighbours meanwhile the surface might close
+    /// on itself.
+    fn holds(&self, u: u32, plan: &Plan) -> bool {
+        let live = &self.surface.live;
+        let star = || live.star(&live.ring(u)?, plan.to);
+        live.changed[plan.to as usize] <= plan.made || star().as_ref() == Some(&plan.star)
+    }
+
+    fn collapse(&mut self, u: u32, plan: Plan, price: f64) {
+        let surface = &mut self.surface;
+        let (to, number) = (plan.to, self.collapses.len() as u32);
+        surface
+            .live
+            .collapse([u, to], &plan.star, plan.turned(), number);
+        surface.rims.renew(plan.rims);
+        let gone = surface.quadrics[u as usize];
+        surface.quadrics[to as usize] += &gone;
         let dearest = self.collapses.last().map_or(0.0, |last| last.price);
         self.collapses.push(Collapse {
             from: u,

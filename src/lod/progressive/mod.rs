@@ -14,13 +14,17 @@
 
 mod collapse;
 pub mod colour;
+mod lists;
 mod live;
+mod near;
 mod overlay;
 mod plan;
+mod projective;
 mod quadric;
 mod radial;
 mod replay;
 mod rim;
+mod ring;
 
 pub use overlay::Deviation;
 pub use replay::Steps;
@@ -30,7 +34,7 @@ use crate::error::{Error, Result};
 use crate::param::PrimaryKind;
 use crate::param::projection::{Line, orientation};
 use glam::DVec3;
-use overlay::{Asked, Overlay};
+use overlay::{Asked, Overlay, Scratch};
 
 /// A mesh with the history of its simplification.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,5 +138,7 @@ pub fn deviation_of(
         sense: orientation(overlay.line, &t3),
     };
     let all: Vec<u32> = (0..input.mesh.triangles.len() as u32).collect();
-    Ok(overlay.deviation(&asked, &all, &mut Vec::new()))
+    let mut scratch = Scratch::default();
+    overlay.gather(&mut scratch, std::iter::once(&all[..]));
+    Ok(overlay.deviation(&asked, &mut scratch, &mut Vec::new()))
 }

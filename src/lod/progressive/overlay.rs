@@ -17,6 +17,8 @@
 //!
 //! Source: Schilling and Klein, Texture-dependent refinement of multiresolution meshes, section 3.2 (and 4.2 for the parts).
 
+use super::near::Near;
+use super::projective::{self, Shares, Sides};
 use super::radial;
 use crate::mesh::Mesh;
 use crate::param::Primary;
@@ -43,7 +45,7 @@ pub(super) struct Overlay<'a> {
     pub(super) positions: Vec<DVec3>,
     triangles: &'a [[u32; 3]],
     /// The sense in which lines meet each triangle.
-    sense: Vec<i8>,
+    pub(super) sense: Vec<i8>,
     /// Object units per step of the grid; what is from position only.
     unit: f64,
 }
@@ -85,141 +87,151 @@ impl<'a> Overlay<'a> {
         }
     }
 
-    /// The deviation of `asked` from the triangles `near`, which must hold all that its image meets; those that it does
+    /// Gathers what `covers` name, for [`Overlay::deviation`].
+    pub(super) fn gather<'c>(
+        &self,
+        scratch: &mut Scratch,
+        covers: impl Iterator<Item = &'c [u32]> + Clone,
+    ) {
+        scratch.near.gather(self.triangles, covers);
+    }
+
+    /// The deviation of `asked` from what was gathered, which must hold all triangles that its image meets; those that it does
     /// meet are appended to `covers`.
     pub(super) fn deviation(
         &self,
         asked: &Asked,
-        near: &[u32],
+        scratch: &mut Scratch,
         covers: &mut Vec<u32>,
     ) -> Deviation {
         let normal = normal_of(asked.corners);
+        let largest = match Shares::new(self.line, asked) {
+            Some(shares) => self.along_lines(asked, normal, &shares, scratch, covers),
+            None => self.round_the_axis(asked, normal, &scratch.near, covers),
+        };
+        largest.rounded_up()
+    }
+
+    /// Triangles of the reference that lie the other way round are never looked up from here, nor from what comes of it.
+    fn faces(&self, t: u32, asked: &Asked) -> bool {
+        i32::from(self.sense[t as usize]) == asked.sense
+    }
+
+    /// For parallel lines and those of a sphere.
+    fn along_lines(
+        &self,
+        asked: &Asked,
+        normal: DVec3,
+        shares: &Shares,
+        Scratch { near, placed }: &mut Scratch,
+        covers: &mut Vec<u32>,
+    ) -> Largest {
+        let met = |h: DVec3, p: DVec3| Met::new(asked.corners, normal, h, p);
+        placed.clear();
+        placed.extend(near.vertices.iter().map(|&v| {
+            let h = shares.of(self.t3[v as usize]);
+            let sides = Sides::of(h);
+            let inside = (sides.beyond == 0).then(|| met(h, self.positions[v as usize]));
+            Placed {
+                h,
+                sides,
+                inside: inside.unwrap_or_default(),
+            }
+        }));
         let mut largest = Largest::default();
-        let shares = Shares::new(self.line, asked);
-        for &t in near {
-            // What lies the other way round there is never looked up from here, nor from what comes of it.
-            if i32::from(self.sense[t as usize]) != asked.sense {
+        for (&t, &corners) in near.triangles.iter().zip(&near.corners) {
+            let at = corners.map(|v| &placed[v as usize]);
+            // Beside one of the edges with all corners: nothing is shared.
+            let beside = at[0].sides.beside & at[1].sides.beside & at[2].sides.beside;
+            if beside != 0 || !self.faces(t, asked) {
                 continue;
             }
+            let beyond = at[0].sides.beyond | at[1].sides.beyond | at[2].sides.beyond;
+            if beyond == 0 {
+                largest.add_projective(self.line, &at.map(|placed| placed.inside));
+            } else {
+                let vertices = corners.map(|v| near.vertices[v as usize] as usize);
+                let positions = vertices.map(|v| self.positions[v]);
+                let cell = projective::Cell::new(at.map(|placed| placed.h), positions, beyond);
+                let corners = cell.corners();
+                if corners.is_empty() {
+                    continue;
+                }
+                let mut all = [Met::default(); 9];
+                for (all, &(h, p)) in all.iter_mut().zip(corners) {
+                    *all = met(h, p);
+                }
+                largest.add_projective(self.line, &all[..corners.len()]);
+            }
+            covers.push(t);
+        }
+        largest
+    }
+
+    /// For the lines of a cylinder.
+    fn round_the_axis(
+        &self,
+        asked: &Asked,
+        normal: DVec3,
+        near: &Near,
+        covers: &mut Vec<u32>,
+    ) -> Largest {
+        let mut largest = Largest::default();
+        for &t in near.triangles.iter().filter(|&&t| self.faces(t, asked)) {
             let corners = self.triangles[t as usize];
             let t3 = corners.map(|v| self.t3[v as usize]);
-            let positions = || corners.map(|v| self.positions[v as usize]);
-            let met = match &shares {
-                Some(shares) => shares
-                    .cell(t3, positions)
-                    .map(|cell| largest.add_projective(&cell, asked, normal)),
-                None => radial::cell(asked, t3, positions())
-                    .map(|cell| largest.add_radial(&cell, self.unit, normal)),
-            };
-            if met.is_some() {
+            let positions = corners.map(|v| self.positions[v as usize]);
+            if let Some(cell) = radial::cell(asked, t3, positions) {
+                largest.add_radial(&cell, self.unit, normal);
                 covers.push(t);
             }
         }
-        largest.rounded_up()
+        largest
+    }
+}
+
+/// Room for what is found on the way: one for each thread.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    near: Near,
+    /// Of each vertex in `near`.
+    placed: Vec<Placed>,
+}
+
+/// A vertex of the reference, as the simplified triangle sees it.
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    h: DVec3,
+    sides: Sides,
+    /// What is there, if it lies in the triangle's image.
+    inside: Met,
+}
+
+/// A corner of a cell: the simplified triangle's point there, its weight, how far it deviates.
+#[derive(Clone, Copy, Debug, Default)]
+struct Met {
+    point: DVec3,
+    weight: f64,
+    squares: Squares,
+}
+
+impl Met {
+    fn new([a, b, c]: [DVec3; 3], normal: DVec3, h: DVec3, reference: DVec3) -> Self {
+        let weight = h.x + h.y + h.z;
+        let point = (a * h.x + b * h.y + c * h.z) / weight;
+        let mut squares = Squares::default();
+        squares.add(reference - point, normal);
+        Met {
+            point,
+            weight,
+            squares,
+        }
     }
 }
 
 /// The unit normal of a triangle in space; zero for one without area.
 fn normal_of([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
-}
-
-/// Homogeneous barycentric coordinates in a triangle's image as linear functions of T3: `h_i(p) = n_i . p + c_i`. Their sum is
-/// the weight of p: 1 for parallel lines, for the sphere the factor by which the line's point on the triangle's plane is nearer
-/// to the centre than p.
-struct Shares {
-    n: [DVec3; 3],
-    c: DVec3,
-}
-
-/// A corner of a cell: homogeneous coordinates in the simplified triangle, and the reference's point.
-type Corner = (DVec3, DVec3);
-
-/// Corners of a cell, in order: a triangle cut by three lines has six at most.
-#[derive(Default)]
-struct Cell {
-    corners: [Corner; 9],
-    count: usize,
-}
-
-impl Shares {
-    /// None for lines for which they are not linear.
-    fn new(line: Line, asked: &Asked) -> Option<Self> {
-        let [a, b, c] = asked.t3;
-        let edges = [(b, c), (c, a), (a, b)];
-        match line {
-            Line::Cylinder => None,
-            Line::Parallel => {
-                let area = (b - a).cross(c - a).z;
-                let n = edges.map(|(p, q)| DVec3::new(p.y - q.y, q.x - p.x, 0.0) / area);
-                Some(Shares {
-                    n,
-                    c: DVec3::from(edges.map(|(p, q)| (p.x * q.y - p.y * q.x) / area)),
-                })
-            }
-            Line::Sphere => {
-                let volume = a.cross(b).dot(c);
-                Some(Shares {
-                    n: edges.map(|(p, q)| p.cross(q) / volume),
-                    c: DVec3::ZERO,
-                })
-            }
-        }
-    }
-
-    fn of(&self, p: DVec3) -> DVec3 {
-        let [a, b, c] = self.n;
-        DVec3::new(a.dot(p), b.dot(p), c.dot(p)) + self.c
-    }
-
-    /// What the triangle's image shares with that of a reference triangle, if that has area.
-    fn cell(&self, t3: [DVec3; 3], positions: impl FnOnce() -> [DVec3; 3]) -> Option<Cell> {
-        let h = t3.map(|p| self.of(p));
-        // Beside one of the edges with all corners: nothing is shared.
-        let most = h[0].max(h[1]).max(h[2]);
-        if most.min_element() <= 0.0 {
-            return None;
-        }
-        let mut cell = Cell::default();
-        let positions = positions();
-        (0..3).for_each(|k| cell.push((h[k], positions[k])));
-        let least = h[0].min(h[1]).min(h[2]);
-        for i in (0..3).filter(|&i| least[i] < 0.0) {
-            cell = cell.cut(i);
-        }
-        (cell.count > 0).then_some(cell)
-    }
-}
-
-impl Cell {
-    fn push(&mut self, corner: Corner) {
-        // Rounding could make a cut polygon less than convex, by a hair: no corner is lost that is not beside another.
-        if self.count < self.corners.len() {
-            self.corners[self.count] = corner;
-            self.count += 1;
-        }
-    }
-
-    fn corners(&self) -> &[Corner] {
-        &self.corners[..self.count]
-    }
-
-    /// What lies where coordinate `i` is not negative. Source: Sutherland and Hodgman 1974, Reentrant polygon clipping.
-    fn cut(&self, i: usize) -> Cell {
-        let mut kept = Cell::default();
-        let corners = self.corners();
-        for (k, &(h, p)) in corners.iter().enumerate() {
-            let (before, from) = corners[(k + self.count - 1) % self.count];
-            if (h[i] < 0.0) != (before[i] < 0.0) {
-                let s = before[i] / (before[i] - h[i]);
-                kept.push((before.lerp(h, s), from.lerp(p, s)));
-            }
-            if h[i] >= 0.0 {
-                kept.push((h, p));
-            }
-        }
-        kept
-    }
 }
 
 impl Deviation {
@@ -235,27 +247,17 @@ impl Deviation {
 }
 
 impl Largest {
-    fn add_projective(&mut self, cell: &Cell, asked: &Asked, normal: DVec3) {
-        let [a, b, c] = asked.corners;
+    fn add_projective(&mut self, line: Line, corners: &[Met]) {
         let mut at_corners = Squares::default();
-        let (mut least, mut most) = (f64::INFINITY, 0.0f64);
-        let mut points = [DVec3::ZERO; 9];
-        for (point, (h, p)) in points.iter_mut().zip(cell.corners()) {
-            let weight = h.x + h.y + h.z;
-            (least, most) = (least.min(weight), most.max(weight));
-            *point = (a * h.x + b * h.y + c * h.z) / weight;
-            at_corners.add(*p - *point, normal);
-        }
-        if least <= 0.0 {
-            // The line runs along the simplified triangle's plane: its point may be anywhere.
-            self.total = f64::INFINITY;
-            return;
-        }
-        let points = &points[..cell.count];
-        let middle = points.iter().sum::<DVec3>() / points.len() as f64;
-        let from_middle = points.iter().map(|p| p.distance_squared(middle));
-        let radius = from_middle.fold(0.0, f64::max).sqrt();
-        self.join(&at_corners.roots(), radius * 0.5 * (most / least - 1.0));
+        corners.iter().for_each(|c| at_corners.raise(&c.squares));
+        self.join(
+            &at_corners,
+            if line == Line::Sphere {
+                more_between(corners)
+            } else {
+                0.0
+            },
+        );
     }
 
     fn add_radial(&mut self, cell: &radial::Cell, unit: f64, normal: DVec3) {
@@ -263,16 +265,22 @@ impl Largest {
         cell.corners
             .iter()
             .for_each(|corner| at_corners.add(corner.reference - corner.simplified, normal));
-        let at_corners = at_corners.roots();
         let bound = cell.bound() * unit;
-        self.join(&at_corners, (bound - at_corners.total).max(0.0));
+        self.join(&at_corners, (bound - at_corners.total.sqrt()).max(0.0));
     }
 
     /// A cell's: what was found at its corners, and how much more may lie between them.
-    fn join(&mut self, corners: &Largest, more: f64) {
-        self.total = self.total.max(corners.total + more);
-        self.tangential = self.tangential.max(corners.tangential + more);
-        self.normal = self.normal.max(corners.normal + more);
+    fn join(&mut self, corners: &Squares, more: f64) {
+        // Few cells have more than others had: roots are taken of those alone.
+        let join = |largest: &mut f64, square: f64| {
+            let left = *largest - more;
+            if left < 0.0 || square > left * left {
+                *largest = largest.max(square.sqrt() + more);
+            }
+        };
+        join(&mut self.total, corners.total);
+        join(&mut self.tangential, corners.tangential);
+        join(&mut self.normal, corners.normal);
     }
 
     /// The next floats that are not smaller.
@@ -293,6 +301,22 @@ impl Largest {
     }
 }
 
+/// How much more a point of a sphere's cell may deviate than its corners do.
+fn more_between(corners: &[Met]) -> f64 {
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+    for corner in corners {
+        (least, most) = (least.min(corner.weight), most.max(corner.weight));
+    }
+    if least <= 0.0 {
+        // The line runs along the simplified triangle's plane: its point may be anywhere.
+        return f64::INFINITY;
+    }
+    let middle = corners.iter().map(|c| c.point).sum::<DVec3>() / corners.len() as f64;
+    let from_middle = corners.iter().map(|c| c.point.distance_squared(middle));
+    let radius = from_middle.fold(0.0, f64::max).sqrt();
+    radius * 0.5 * (most / least - 1.0)
+}
+
 /// The largest squares of deviation vectors and of their parts.
 #[derive(Clone, Copy, Debug, Default)]
 struct Squares {
@@ -309,6 +333,12 @@ impl Squares {
         self.normal = self.normal.max(upright * upright);
         let along = vector - normal * upright;
         self.tangential = self.tangential.max(along.length_squared());
+    }
+
+    fn raise(&mut self, other: &Squares) {
+        self.total = self.total.max(other.total);
+        self.tangential = self.tangential.max(other.tangential);
+        self.normal = self.normal.max(other.normal);
     }
 
     fn roots(&self) -> Largest {

@@ -1,46 +1,64 @@
 //! What a collapse would do, and what that costs.
 //!
-//! In: the surface as it is, and a place. Out: its [`Candidate`]: a price that it seems to have, and when its turn comes a
-//! [`Plan`]: the neighbour, the triangles that come to be, their deviation.
+//! In: the surface as it is, and a place. Out: the price that its collapse seems to have, and when its turn comes a [`Plan`]: the
+//! neighbour, the triangles that come to be, their deviation.
 //!
 //! The price is the larger of the root of the quadric error and the deviation of the triangles that come to be: geometry and
 //! texture may each be displaced so far.
 
-use super::live::{Fan, Live, Star};
-use super::overlay::{Asked, Deviation, Overlay};
+use super::live::{Live, Turned};
+use super::overlay::{Asked, Deviation, Overlay, Scratch};
 use super::quadric::Quadric;
 use super::rim::{NewRim, Rims};
+use super::ring::{Ring, Star};
 use crate::lod::LodInput;
-use crate::param::projection::orientation;
+use crate::param::projection::{Line, orientation};
 use glam::DVec3;
+use rayon::prelude::*;
+use smallvec::SmallVec;
 use std::cmp::Ordering;
 
 /// A triangle's normal turns by no more than the angle of this cosine (75 degrees) in one collapse.
 const TURN: f64 = 0.25;
 
-/// A collapse that may come.
-#[derive(Clone, Debug)]
-pub(super) struct Candidate {
-    /// What it seems to cost, and once it is planned, what it costs; object units.
-    pub(super) price: f64,
-    pub(super) plan: Option<Plan>,
-}
-
 /// What a collapse would do, measured.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
+    /// What it costs; object units.
+    pub(super) price: f64,
     pub(super) to: u32,
     pub(super) star: Star,
     /// For each triangle that comes to be.
-    pub(super) measured: Vec<Measured>,
+    measured: SmallVec<[Measured; 6]>,
+    /// Triangles of the reference that their images meet, one after the other.
+    covers: Vec<u32>,
     pub(super) rims: Vec<NewRim>,
+    /// How many collapses there had been.
+    pub(super) made: u32,
 }
 
-#[derive(Clone, Debug)]
-pub(super) struct Measured {
-    pub(super) deviation: Deviation,
-    /// Triangles of the reference that its image meets.
-    pub(super) covers: Vec<u32>,
+/// A triangle that comes to be.
+#[derive(Clone, Copy, Debug)]
+struct Measured {
+    sense: i8,
+    deviation: Deviation,
+    /// Where in the plan's `covers` its own end.
+    end: u32,
+}
+
+impl Plan {
+    /// The triangles that come to be, in the order of the star's.
+    pub(super) fn turned(&self) -> impl Iterator<Item = Turned<'_>> {
+        let mut start = 0;
+        self.measured.iter().map(move |measured| {
+            let from = std::mem::replace(&mut start, measured.end as usize);
+            Turned {
+                sense: measured.sense,
+                deviation: measured.deviation,
+                covers: &self.covers[from..start],
+            }
+        })
+    }
 }
 
 /// The surface and what is known of its places.
@@ -63,17 +81,18 @@ pub(super) fn cheaper(a: &(f64, u32), b: &(f64, u32)) -> Ordering {
 impl<'a> Surface<'a> {
     pub(super) fn new(input: &LodInput<'a>) -> Self {
         let overlay = Overlay::new(input.mesh, input.primary);
-        let live = Live::new(input);
-        let places = live.round.len();
+        let live = Live::new(input, |t| overlay.sense[t]);
+        let places = live.round.count();
         let mut surface = Surface {
             grid: overlay.t3.iter().map(|p| p.as_ivec3().to_array()).collect(),
             overlay,
-            quadrics: vec![Quadric::default(); places],
+            quadrics: Vec::new(),
             rims: Rims::default(),
             known: vec![0.0; places],
             live,
         };
-        surface.weigh();
+        let quadrics = (0..places as u32).into_par_iter();
+        surface.quadrics = quadrics.map(|u| surface.quadric(u)).collect();
         surface
     }
 
@@ -82,140 +101,147 @@ impl<'a> Surface<'a> {
         self.overlay.positions[self.live.place[v as usize] as usize]
     }
 
-    /// The quadrics of all places: planes of triangles, and upright ones on rims and seams.
-    fn weigh(&mut self) {
-        for f in 0..self.live.faces.len() as u32 {
-            let corners = self.live.faces[f as usize].corners;
-            let at = corners.map(|v| self.position(v));
-            let places = self.live.places(f);
-            let plane = Quadric::of_triangle(at);
-            places
-                .iter()
-                .for_each(|&u| self.quadrics[u as usize] += &plane);
-            for k in 0..3 {
-                let (i, j) = (k, (k + 1) % 3);
-                if self.live.is_rim(f, [corners[i], corners[j]]) {
-                    let edge = Quadric::of_edge([at[i], at[j]], at[(k + 2) % 3]);
-                    self.quadrics[places[i] as usize] += &edge;
-                    self.quadrics[places[j] as usize] += &edge;
+    fn positions(&self, places: [u32; 3]) -> [DVec3; 3] {
+        places.map(|p| self.overlay.positions[p as usize])
+    }
+
+    /// The quadric of a place: planes of the triangles round it, and upright ones on rims and seams.
+    fn quadric(&self, u: u32) -> Quadric {
+        let mut quadric = Quadric::default();
+        for &f in self.live.round.get(u) {
+            let face = &self.live.faces[f as usize];
+            let at = self.positions(face.places);
+            quadric += &Quadric::of_triangle(at);
+            for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+                let ends = [i, j].map(|k| face.places[k]);
+                let edge = [i, j].map(|k| face.corners[k]);
+                if ends.contains(&u) && self.live.is_rim(f, edge) {
+                    quadric += &Quadric::of_edge([at[i], at[j]], at[3 - i - j]);
                 }
             }
         }
+        quadric
     }
 
-    /// What the collapse of `u` seems to cost: the least quadric error at a neighbour, or what it cost before.
-    pub(super) fn candidate(&self, u: u32) -> Option<Candidate> {
-        let round = self.live.round[u as usize].iter();
-        let around = round.flat_map(|&f| self.live.faces[f as usize].corners);
-        let neighbours = around.filter(|&v| self.live.place[v as usize] != u);
-        let error = |v: u32| self.quadrics[u as usize].error(self.position(v));
-        let least = neighbours.map(error).min_by(f64::total_cmp)?;
-        Some(Candidate {
-            price: least.sqrt().max(self.known[u as usize]),
-            plan: None,
-        })
-    }
-
-    /// The best collapse of `u`, by quadric error, that keeps the surface whole and lying well; its price and what it does.
-    pub(super) fn planned(&self, u: u32) -> Option<Candidate> {
-        let (fan, onto) = self.live.fan(u);
-        if fan == Fan::Broken {
-            return None;
+    /// What the collapse of `u` seems to cost: the least quadric error at a neighbour, or what it cost before. Infinite where
+    /// there is none.
+    pub(super) fn estimate(&self, u: u32) -> f64 {
+        let quadric = &self.quadrics[u as usize];
+        let (mut least, mut far) = (f64::INFINITY, 0.0f32);
+        for &f in self.live.round.get(u) {
+            let face = &self.live.faces[f as usize];
+            far = far.max(face.deviation.total);
+            for place in face.places.into_iter().filter(|&p| p != u) {
+                least = least.min(quadric.error(self.overlay.positions[place as usize]));
+            }
         }
-        let error = |&v: &u32| (self.quadrics[u as usize].error(self.position(v)), v);
-        let mut ordered: Vec<(f64, u32)> = onto.iter().map(error).collect();
+        least.sqrt().max(f64::from(far)).max(self.known[u as usize])
+    }
+
+    /// The best collapse of `u`, by quadric error, that keeps the surface whole and lying well.
+    pub(super) fn planned(&self, u: u32, made: u32, scratch: &mut Scratch) -> Option<Box<Plan>> {
+        let ring = self.live.ring(u)?;
+        let quadric = &self.quadrics[u as usize];
+        let error = |v: u32| (quadric.error(self.overlay.positions[v as usize]), v);
+        let mut ordered: SmallVec<[(f64, u32); 10]> = ring.onto().into_iter().map(error).collect();
         ordered.sort_unstable_by(cheaper);
         let (error, to, star) = ordered.into_iter().find_map(|(error, to)| {
-            let star = self.live.star(u, to)?;
+            let star = self.live.star(&ring, to)?;
             let lies_well = |turned: &(u32, [u32; 3])| self.lies_well(turned);
-            star.turned
-                .iter()
-                .all(lies_well)
-                .then_some((error, to, star))
+            let all = star.turned.iter().all(lies_well);
+            all.then_some((error, to, star))
         })?;
-        let rims = self.rims.renewed(&self.live, u, to, &star);
-        let measured = self.measured(u, &star, &rims);
-        let far = measured
-            .iter()
-            .map(|m| m.deviation.total)
-            .fold(0.0, f32::max);
-        Some(Candidate {
-            price: error.sqrt().max(f64::from(far)),
-            plan: Some(Plan {
-                to,
-                star,
-                measured,
-                rims,
-            }),
-        })
+        let mut plan = Box::new(Plan {
+            price: error.sqrt(),
+            to,
+            measured: SmallVec::new(),
+            covers: Vec::new(),
+            rims: self.rims.renewed(&self.live, u, to, &star),
+            star,
+            made,
+        });
+        self.measure(&ring, &mut plan, scratch);
+        let far = plan.measured.iter().map(|m| m.deviation.total);
+        plan.price = far.map(f64::from).fold(plan.price, f64::max);
+        Some(plan)
     }
 
     /// Whether a face still faces its projection lines and turns little in space when it gets new corners.
     fn lies_well(&self, &(f, corners): &(u32, [u32; 3])) -> bool {
-        let before = self.live.faces[f as usize].corners;
-        let senses = [before, corners].map(|corners| self.sense(corners));
-        if senses[1] == 0 || (senses[0] != 0 && senses[0] != senses[1]) {
+        let before = &self.live.faces[f as usize];
+        let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
+        let from = normal(self.positions(before.places));
+        let to = normal(corners.map(|v| self.position(v)));
+        let kept = from.dot(to) >= TURN * from.length() * to.length();
+        if !kept || to == DVec3::ZERO {
             return false;
         }
-        let normal = |corners: [u32; 3]| {
-            let [a, b, c] = corners.map(|v| self.position(v));
-            (b - a).cross(c - a)
-        };
-        let (from, to) = (normal(before), normal(corners));
-        to != DVec3::ZERO && from.dot(to) >= TURN * from.length() * to.length()
+        let sense = self.sense(corners);
+        sense != 0 && (before.sense == 0 || before.sense == sense)
     }
 
-    fn sense(&self, corners: [u32; 3]) -> i32 {
-        orientation(self.overlay.line, &corners.map(|v| self.grid[v as usize]))
+    fn sense(&self, corners: [u32; 3]) -> i8 {
+        let [a, b, c] = corners.map(|v| self.overlay.t3[v as usize]);
+        let (value, sure) = match self.overlay.line {
+            Line::Parallel => ((b - a).cross(c - a).z, 0.0),
+            Line::Sphere => (a.dot(b.cross(c)), SURE),
+            Line::Cylinder => (0.0, 0.0),
+        };
+        if value.abs() > sure {
+            return value.signum() as i8;
+        }
+        let corners = corners.map(|v| self.grid[v as usize]);
+        orientation(self.overlay.line, &corners) as i8
     }
 
-    /// The triangles that a collapse of `u` makes, laid over the reference.
-    fn measured(&self, u: u32, star: &Star, rims: &[NewRim]) -> Vec<Measured> {
-        let vertex = |f: u32| self.live.vertex(f, u);
-        let mut near: Vec<(Option<u32>, Vec<u32>)> = Vec::with_capacity(2);
-        for &f in &self.live.round[u as usize] {
-            let (side, covers) = (vertex(f), &self.live.faces[f as usize].covers);
-            match near.iter_mut().find(|other| other.0 == side) {
-                Some((_, all)) => all.extend(covers),
-                None => near.push((side, covers.clone())),
+    /// Lays the triangles that a plan makes over the reference.
+    fn measure(&self, ring: &Ring, plan: &mut Plan, scratch: &mut Scratch) {
+        // Which side of a seam was gathered.
+        let mut gathered = None;
+        let at_first: usize = ring
+            .spokes
+            .iter()
+            .map(|s| self.live.covers.get(s.face).len())
+            .sum();
+        plan.covers.reserve_exact(at_first);
+        for &(f, corners) in &plan.star.turned {
+            let own = |face: u32| ring.spokes.iter().find(|s| s.face == face).map(|s| s.own);
+            let side = own(f);
+            if gathered != side {
+                let same = ring.spokes.iter().filter(|s| Some(s.own) == side);
+                let covers = same.map(|s| self.live.covers.get(s.face));
+                self.overlay.gather(scratch, covers);
+                gathered = side;
             }
-        }
-        for (_, all) in &mut near {
-            all.sort_unstable();
-            all.dedup();
-        }
-        let laid_over = |&(f, corners): &(u32, [u32; 3])| {
-            let side = vertex(f);
-            let near = near.iter().find(|other| other.0 == side);
-            let mut measured = self.laid_over(corners, near.map_or(&[], |near| &near.1));
-            for rim in rims.iter().filter(|rim| rim.face == f) {
-                self.leave_out(rim, corners, &mut measured.deviation);
+            let asked = Asked {
+                t3: corners.map(|v| self.overlay.t3[v as usize]),
+                corners: corners.map(|v| self.position(v)),
+                sense: i32::from(self.sense(corners)),
+            };
+            let mut deviation = self.overlay.deviation(&asked, scratch, &mut plan.covers);
+            for rim in plan.rims.iter().filter(|rim| rim.face == f) {
+                self.leave_out(rim, asked.corners, &mut deviation);
             }
-            measured
-        };
-        star.turned.iter().map(laid_over).collect()
+            plan.measured.push(Measured {
+                sense: asked.sense as i8,
+                deviation,
+                end: plan.covers.len() as u32,
+            });
+        }
     }
 
     /// What a rim's chord leaves out lies as far from the triangle as its vertices do from the chord.
-    fn leave_out(&self, rim: &NewRim, corners: [u32; 3], deviation: &mut Deviation) {
+    fn leave_out(&self, rim: &NewRim, corners: [DVec3; 3], deviation: &mut Deviation) {
         let [a, b] = rim.edge.map(|v| self.position(v));
         let along = b - a;
         for &place in &rim.without {
             let from = self.position(place) - a;
             let s = (from.dot(along) / along.length_squared()).clamp(0.0, 1.0);
-            deviation.include(from - along * s, corners.map(|v| self.position(v)));
+            deviation.include(from - along * s, corners);
         }
     }
-
-    fn laid_over(&self, corners: [u32; 3], near: &[u32]) -> Measured {
-        let asked = Asked {
-            t3: corners.map(|v| self.overlay.t3[v as usize]),
-            corners: corners.map(|v| self.position(v)),
-            sense: self.sense(corners),
-        };
-        let mut covers = Vec::new();
-        let deviation = self.overlay.deviation(&asked, near, &mut covers);
-        covers.shrink_to_fit();
-        Measured { deviation, covers }
-    }
 }
+
+/// Volumes of grid points that are larger than this have the sign that they have in f64: of the sum of products below 2^71 the
+/// last steps round, each by less than 2^19.
+const SURE: f64 = (1u64 << 24) as f64;

@@ -4,7 +4,7 @@
 //! that the steps came from, or what is wrong with them: steps may come from anywhere. A step is made only where it keeps the
 //! surface one, so that a history that was made is as sound as one that was found.
 
-use super::live::{Face, Fan, Live, NEVER};
+use super::live::{Live, NEVER, Turned};
 use super::{Collapse, Deviation, Made, Progressive};
 use crate::lod::LodInput;
 
@@ -38,7 +38,8 @@ impl Progressive {
             return Err(format!("deviation {k} is not a distance"));
         }
         let mut replay = Replay {
-            live: Live::new(input),
+            // In which sense lines meet its triangles nobody asks.
+            live: Live::new(input, |_| 0),
             deviations: steps.deviations.iter(),
             collapses: Vec::with_capacity(steps.places.len()),
         };
@@ -64,42 +65,31 @@ struct Replay<'a> {
 impl Replay<'_> {
     fn step(&mut self, from: u32, to: u32) -> std::result::Result<(), &'static str> {
         let live = &mut self.live;
-        if from as usize >= live.round.len() {
+        if from as usize >= live.round.count() {
             return Err("has no such place");
         }
-        let (fan, onto) = live.fan(from);
-        if fan == Fan::Broken || !onto.contains(&to) {
-            return Err("is between places that are no neighbours, or of one that may not go");
-        }
+        let ring = live.ring(from).filter(|ring| ring.onto().contains(&to));
+        let ring =
+            ring.ok_or("is between places that are no neighbours, or of one that may not go")?;
         let star = live
-            .star(from, to)
+            .star(&ring, to)
             .ok_or("would tear or double the surface")?;
-        let number = self.collapses.len() as u32;
-        let mut dearest = self.collapses.last().map_or(0.0, |c| c.price);
-        let layers: Vec<u8> = star
-            .turned
-            .iter()
-            .map(|&(f, _)| live.faces[f as usize].layer)
-            .collect();
-        let turned = star.turned.iter().map(|&(f, _)| f);
-        for f in star.lost.iter().copied().chain(turned) {
-            live.remove(f, number);
-        }
-        for (&(_, corners), layer) in star.turned.iter().zip(layers) {
-            let deviation = *self
-                .deviations
-                .next()
-                .ok_or("makes triangles without a deviation")?;
-            dearest = dearest.max(f64::from(deviation.total));
-            live.push(Face {
-                corners,
-                layer,
-                deviation,
-                covers: Vec::new(),
-                made: number,
-                gone: NEVER,
-            });
-        }
+        let count = star.turned.len();
+        let (deviations, left) = self
+            .deviations
+            .as_slice()
+            .split_at_checked(count)
+            .ok_or("makes triangles without a deviation")?;
+        self.deviations = left.iter();
+        let dearest = self.collapses.last().map_or(0.0, |c| c.price);
+        let largest = deviations.iter().map(|d| f64::from(d.total));
+        let dearest = largest.fold(dearest, f64::max);
+        let turned = deviations.iter().map(|&deviation| Turned {
+            sense: 0,
+            deviation,
+            covers: &[],
+        });
+        live.collapse([from, to], &star, turned, self.collapses.len() as u32);
         self.collapses.push(Collapse {
             from,
             to,

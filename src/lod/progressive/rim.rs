@@ -4,7 +4,8 @@
 //! a piece of the reference that no triangle answers for, or adds one that the reference does not have; neither has points
 //! in common with the other surface, so the overlay does not see them.
 
-use super::live::{Live, Star};
+use super::live::Live;
+use super::ring::Star;
 use std::collections::HashMap;
 
 /// Edges of rims (two vertices, the lower first) that replace more than one of the reference's.
