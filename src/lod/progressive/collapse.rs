@@ -6,7 +6,7 @@
 //! and the history is shallow; the result does not depend on the cores.
 
 use super::overlay::Scratch;
-use super::plan::{Plan, Surface, cheaper};
+use super::plan::{Plan, Planned, Surface, cheaper};
 use super::{Collapse, Progressive};
 use crate::lod::LodInput;
 use rayon::prelude::*;
@@ -16,6 +16,13 @@ const SHARE: usize = 4;
 
 /// Candidates that one processor plans at a time, at least: its scratch is filled anew for each such piece.
 const PIECE: usize = 32;
+
+/// A plan is not made to the end where it comes to cost more than this many times the price of its round: it would seldom be
+/// still right when its turn comes.
+const DEAR: f64 = 2.0;
+
+/// So few candidates are all planned to the end: the cheapest of them may set the price.
+const FEW: usize = 256;
 
 /// The work: the surface, candidates, what was done.
 struct Work<'a> {
@@ -73,7 +80,7 @@ impl<'a> Work<'a> {
             return Vec::new();
         };
         let apart = self.apart(&cheap);
-        self.plan(&apart);
+        self.plan(&apart, limit);
         let price = |u: u32| (self.prices[u as usize], u);
         let mut ordered: Vec<(f64, u32)> = apart.into_iter().map(price).collect();
         ordered.sort_unstable_by(cheaper);
@@ -113,19 +120,28 @@ impl<'a> Work<'a> {
         ordered.iter().copied().filter(is_apart).collect()
     }
 
-    /// Plans the candidates of `places` that are not planned yet.
-    fn plan(&mut self, places: &[u32]) {
+    /// Plans the candidates of `places` that are not planned yet. Of those that cost far more than `limit` it finds out no more, as
+    /// long as there are others.
+    fn plan(&mut self, places: &[u32], limit: f64) {
+        let limit = if places.len() < FEW { f64::INFINITY } else { limit };
         let unplanned = |u: &u32| self.plans[*u as usize].is_none();
-        let places: Vec<u32> = places.iter().copied().filter(unplanned).collect();
-        let (surface, made) = (&self.surface, self.collapses.len() as u32);
-        let planned = |scratch: &mut Scratch, &u: &u32| surface.planned(u, made, scratch);
-        let pieces = places.par_iter().with_min_len(PIECE);
+        let open: Vec<u32> = places.iter().copied().filter(unplanned).collect();
+        let (surface, asked) = (&self.surface, (self.collapses.len() as u32, DEAR * limit));
+        let planned = |scratch: &mut Scratch, &u: &u32| surface.planned(u, asked, scratch);
+        let pieces = open.par_iter().with_min_len(PIECE);
         let plans: Vec<_> = pieces.map_init(Scratch::default, planned).collect();
-        for (u, plan) in places.into_iter().map(|u| u as usize).zip(plans) {
-            let price = plan.as_ref().map(|plan| plan.price);
-            self.surface.known[u] = price.unwrap_or(0.0);
-            self.prices[u] = price.unwrap_or(f64::INFINITY);
+        for (u, planned) in open.into_iter().map(|u| u as usize).zip(plans) {
+            let (price, plan) = match planned {
+                Planned::None => (f64::INFINITY, None),
+                Planned::Dear(price) => (price, None),
+                Planned::Whole(plan) => (plan.price, Some(plan)),
+            };
+            self.surface.known[u] = if price.is_finite() { price } else { 0.0 };
+            self.prices[u] = price;
             self.plans[u] = plan;
+        }
+        if limit.is_finite() && places.iter().all(|&u| self.plans[u as usize].is_none()) {
+            self.plan(places, f64::INFINITY);
         }
     }
 

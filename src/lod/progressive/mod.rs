@@ -140,5 +140,5 @@ pub fn deviation_of(
     let all: Vec<u32> = (0..input.mesh.triangles.len() as u32).collect();
     let mut scratch = Scratch::default();
     overlay.gather(&mut scratch, std::iter::once(&all[..]));
-    Ok(overlay.deviation(&asked, &mut scratch, &mut Vec::new()))
+    Ok(overlay.deviation(&asked, f64::INFINITY, &mut scratch, &mut Vec::new()))
 }

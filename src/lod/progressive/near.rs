@@ -31,8 +31,9 @@ impl Near {
         }
         self.numbers.clear(3 * self.triangles.len());
         for &t in &self.triangles {
-            let corner = |v| self.numbers.of(v, &mut self.vertices);
-            self.corners.push(reference[t as usize].map(corner));
+            let [a, b, c] = reference[t as usize];
+            let mut corner = |v| self.numbers.of(v, &mut self.vertices);
+            self.corners.push([corner(a), corner(b), corner(c)]);
         }
     }
 }
@@ -55,6 +56,7 @@ impl Numbers {
         self.slots.resize(slots, (0, 0));
     }
 
+    #[inline]
     /// The number of `name` in `names`, to whose end it is put where it is new.
     fn of(&mut self, name: u32, names: &mut Vec<u32>) -> u32 {
         // Knuth, The Art of Computer Programming, volume 3, section 6.4: the golden ratio spreads what is close.

@@ -18,7 +18,7 @@
 //! Source: Schilling and Klein, Texture-dependent refinement of multiresolution meshes, section 3.2 (and 4.2 for the parts).
 
 use super::near::Near;
-use super::projective::{self, Shares, Sides};
+use super::projective::Sweep;
 use super::radial;
 use crate::mesh::Mesh;
 use crate::param::Primary;
@@ -61,7 +61,7 @@ pub(super) struct Asked {
 /// The largest of what is added up over the cells.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Largest {
-    total: f64,
+    pub(super) total: f64,
     tangential: f64,
     normal: f64,
 }
@@ -97,75 +97,24 @@ impl<'a> Overlay<'a> {
     }
 
     /// The deviation of `asked` from what was gathered, which must hold all triangles that its image meets; those that it does
-    /// meet are appended to `covers`.
+    /// meet are appended to `covers`. Where it is more than `limit`, what is returned is so too, and no more is known.
     pub(super) fn deviation(
         &self,
         asked: &Asked,
-        scratch: &mut Scratch,
+        limit: f64,
+        Scratch { near, sweep }: &mut Scratch,
         covers: &mut Vec<u32>,
     ) -> Deviation {
         let normal = normal_of(asked.corners);
-        let largest = match Shares::new(self.line, asked) {
-            Some(shares) => self.along_lines(asked, normal, &shares, scratch, covers),
-            None => self.round_the_axis(asked, normal, &scratch.near, covers),
-        };
-        largest.rounded_up()
+        sweep
+            .largest((self, near), (asked, normal), limit, covers)
+            .unwrap_or_else(|| self.round_the_axis(asked, normal, near, covers))
+            .rounded_up()
     }
 
     /// Triangles of the reference that lie the other way round are never looked up from here, nor from what comes of it.
-    fn faces(&self, t: u32, asked: &Asked) -> bool {
+    pub(super) fn faces(&self, t: u32, asked: &Asked) -> bool {
         i32::from(self.sense[t as usize]) == asked.sense
-    }
-
-    /// For parallel lines and those of a sphere.
-    fn along_lines(
-        &self,
-        asked: &Asked,
-        normal: DVec3,
-        shares: &Shares,
-        Scratch { near, placed }: &mut Scratch,
-        covers: &mut Vec<u32>,
-    ) -> Largest {
-        let met = |h: DVec3, p: DVec3| Met::new(asked.corners, normal, h, p);
-        placed.clear();
-        placed.extend(near.vertices.iter().map(|&v| {
-            let h = shares.of(self.t3[v as usize]);
-            let sides = Sides::of(h);
-            let inside = (sides.beyond == 0).then(|| met(h, self.positions[v as usize]));
-            Placed {
-                h,
-                sides,
-                inside: inside.unwrap_or_default(),
-            }
-        }));
-        let mut largest = Largest::default();
-        for (&t, &corners) in near.triangles.iter().zip(&near.corners) {
-            let at = corners.map(|v| &placed[v as usize]);
-            // Beside one of the edges with all corners: nothing is shared.
-            let beside = at[0].sides.beside & at[1].sides.beside & at[2].sides.beside;
-            if beside != 0 || !self.faces(t, asked) {
-                continue;
-            }
-            let beyond = at[0].sides.beyond | at[1].sides.beyond | at[2].sides.beyond;
-            if beyond == 0 {
-                largest.add_projective(self.line, &at.map(|placed| placed.inside));
-            } else {
-                let vertices = corners.map(|v| near.vertices[v as usize] as usize);
-                let positions = vertices.map(|v| self.positions[v]);
-                let cell = projective::Cell::new(at.map(|placed| placed.h), positions, beyond);
-                let corners = cell.corners();
-                if corners.is_empty() {
-                    continue;
-                }
-                let mut all = [Met::default(); 9];
-                for (all, &(h, p)) in all.iter_mut().zip(corners) {
-                    *all = met(h, p);
-                }
-                largest.add_projective(self.line, &all[..corners.len()]);
-            }
-            covers.push(t);
-        }
-        largest
     }
 
     /// For the lines of a cylinder.
@@ -194,39 +143,7 @@ impl<'a> Overlay<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     near: Near,
-    /// Of each vertex in `near`.
-    placed: Vec<Placed>,
-}
-
-/// A vertex of the reference, as the simplified triangle sees it.
-#[derive(Clone, Copy, Debug)]
-struct Placed {
-    h: DVec3,
-    sides: Sides,
-    /// What is there, if it lies in the triangle's image.
-    inside: Met,
-}
-
-/// A corner of a cell: the simplified triangle's point there, its weight, how far it deviates.
-#[derive(Clone, Copy, Debug, Default)]
-struct Met {
-    point: DVec3,
-    weight: f64,
-    squares: Squares,
-}
-
-impl Met {
-    fn new([a, b, c]: [DVec3; 3], normal: DVec3, h: DVec3, reference: DVec3) -> Self {
-        let weight = h.x + h.y + h.z;
-        let point = (a * h.x + b * h.y + c * h.z) / weight;
-        let mut squares = Squares::default();
-        squares.add(reference - point, normal);
-        Met {
-            point,
-            weight,
-            squares,
-        }
-    }
+    sweep: Sweep,
 }
 
 /// The unit normal of a triangle in space; zero for one without area.
@@ -237,9 +154,9 @@ fn normal_of([a, b, c]: [DVec3; 3]) -> DVec3 {
 impl Deviation {
     /// Takes one more deviation vector into account, of a triangle with these corners.
     pub(super) fn include(&mut self, vector: DVec3, corners: [DVec3; 3]) {
-        let mut one = Squares::default();
-        one.add(vector, normal_of(corners));
-        let one = one.roots().rounded_up();
+        let mut one = Largest::default();
+        one.join(&Squares::of(vector, normal_of(corners)), 0.0);
+        let one = one.rounded_up();
         self.total = self.total.max(one.total);
         self.tangential = self.tangential.max(one.tangential);
         self.normal = self.normal.max(one.normal);
@@ -247,30 +164,17 @@ impl Deviation {
 }
 
 impl Largest {
-    fn add_projective(&mut self, line: Line, corners: &[Met]) {
-        let mut at_corners = Squares::default();
-        corners.iter().for_each(|c| at_corners.raise(&c.squares));
-        self.join(
-            &at_corners,
-            if line == Line::Sphere {
-                more_between(corners)
-            } else {
-                0.0
-            },
-        );
-    }
-
     fn add_radial(&mut self, cell: &radial::Cell, unit: f64, normal: DVec3) {
         let mut at_corners = Squares::default();
-        cell.corners
-            .iter()
-            .for_each(|corner| at_corners.add(corner.reference - corner.simplified, normal));
+        for corner in &cell.corners {
+            at_corners.raise(&Squares::of(corner.reference - corner.simplified, normal));
+        }
         let bound = cell.bound() * unit;
         self.join(&at_corners, (bound - at_corners.total.sqrt()).max(0.0));
     }
 
     /// A cell's: what was found at its corners, and how much more may lie between them.
-    fn join(&mut self, corners: &Squares, more: f64) {
+    pub(super) fn join(&mut self, corners: &Squares, more: f64) {
         // Few cells have more than others had: roots are taken of those alone.
         let join = |largest: &mut f64, square: f64| {
             let left = *largest - more;
@@ -301,51 +205,28 @@ impl Largest {
     }
 }
 
-/// How much more a point of a sphere's cell may deviate than its corners do.
-fn more_between(corners: &[Met]) -> f64 {
-    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
-    for corner in corners {
-        (least, most) = (least.min(corner.weight), most.max(corner.weight));
-    }
-    if least <= 0.0 {
-        // The line runs along the simplified triangle's plane: its point may be anywhere.
-        return f64::INFINITY;
-    }
-    let middle = corners.iter().map(|c| c.point).sum::<DVec3>() / corners.len() as f64;
-    let from_middle = corners.iter().map(|c| c.point.distance_squared(middle));
-    let radius = from_middle.fold(0.0, f64::max).sqrt();
-    radius * 0.5 * (most / least - 1.0)
-}
-
 /// The largest squares of deviation vectors and of their parts.
 #[derive(Clone, Copy, Debug, Default)]
-struct Squares {
+pub(super) struct Squares {
     total: f64,
     tangential: f64,
     normal: f64,
 }
 
 impl Squares {
-    /// One deviation vector, split by the simplified triangle's normal.
-    fn add(&mut self, vector: DVec3, normal: DVec3) {
+    /// Of one deviation vector, split by the simplified triangle's normal.
+    pub(super) fn of(vector: DVec3, normal: DVec3) -> Self {
         let upright = vector.dot(normal);
-        self.total = self.total.max(vector.length_squared());
-        self.normal = self.normal.max(upright * upright);
-        let along = vector - normal * upright;
-        self.tangential = self.tangential.max(along.length_squared());
+        Squares {
+            total: vector.length_squared(),
+            tangential: (vector - normal * upright).length_squared(),
+            normal: upright * upright,
+        }
     }
 
-    fn raise(&mut self, other: &Squares) {
+    pub(super) fn raise(&mut self, other: &Squares) {
         self.total = self.total.max(other.total);
         self.tangential = self.tangential.max(other.tangential);
         self.normal = self.normal.max(other.normal);
-    }
-
-    fn roots(&self) -> Largest {
-        Largest {
-            total: self.total.sqrt(),
-            tangential: self.tangential.sqrt(),
-            normal: self.normal.sqrt(),
-        }
     }
 }

@@ -37,6 +37,15 @@ pub(super) struct Plan {
     pub(super) made: u32,
 }
 
+/// What a place's collapse turned out to be.
+pub(super) enum Planned {
+    /// There is none.
+    None,
+    /// It costs so much at least, more than was asked for.
+    Dear(f64),
+    Whole(Box<Plan>),
+}
+
 /// A triangle that comes to be.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
@@ -138,8 +147,29 @@ impl<'a> Surface<'a> {
         least.sqrt().max(f64::from(far)).max(self.known[u as usize])
     }
 
-    /// The best collapse of `u`, by quadric error, that keeps the surface whole and lying well.
-    pub(super) fn planned(&self, u: u32, made: u32, scratch: &mut Scratch) -> Option<Box<Plan>> {
+    /// The best collapse of `u`, by quadric error, that keeps the surface whole and lying well. What costs more than `limit` is
+    /// not measured to the end. `made` tells how many collapses there have been.
+    pub(super) fn planned(&self, u: u32, (made, limit): (u32, f64), scratch: &mut Scratch) -> Planned {
+        self.best(u).map_or(Planned::None, |(ring, error, to, star)| {
+            let mut plan = Box::new(Plan {
+                price: error,
+                to,
+                measured: SmallVec::new(),
+                covers: Vec::new(),
+                rims: self.rims.renewed(&self.live, u, to, &star),
+                star,
+                made,
+            });
+            self.measure(&ring, &mut plan, limit, scratch);
+            match plan.price > limit {
+                true => Planned::Dear(plan.price),
+                false => Planned::Whole(plan),
+            }
+        })
+    }
+
+    /// The ring of `u`, the least quadric error (a distance) of a collapse that may be, where it leads, and what it does.
+    fn best(&self, u: u32) -> Option<(Ring, f64, u32, Star)> {
         let ring = self.live.ring(u)?;
         let quadric = &self.quadrics[u as usize];
         let error = |v: u32| (quadric.error(self.overlay.positions[v as usize]), v);
@@ -151,19 +181,7 @@ impl<'a> Surface<'a> {
             let all = star.turned.iter().all(lies_well);
             all.then_some((error, to, star))
         })?;
-        let mut plan = Box::new(Plan {
-            price: error.sqrt(),
-            to,
-            measured: SmallVec::new(),
-            covers: Vec::new(),
-            rims: self.rims.renewed(&self.live, u, to, &star),
-            star,
-            made,
-        });
-        self.measure(&ring, &mut plan, scratch);
-        let far = plan.measured.iter().map(|m| m.deviation.total);
-        plan.price = far.map(f64::from).fold(plan.price, f64::max);
-        Some(plan)
+        Some((ring, error.sqrt(), to, star))
     }
 
     /// Whether a face still faces its projection lines and turns little in space when it gets new corners.
@@ -194,8 +212,8 @@ impl<'a> Surface<'a> {
         orientation(self.overlay.line, &corners) as i8
     }
 
-    /// Lays the triangles that a plan makes over the reference.
-    fn measure(&self, ring: &Ring, plan: &mut Plan, scratch: &mut Scratch) {
+    /// Lays the triangles that a plan makes over the reference, until its price comes to more than `limit`.
+    fn measure(&self, ring: &Ring, plan: &mut Plan, limit: f64, scratch: &mut Scratch) {
         // Which side of a seam was gathered.
         let mut gathered = None;
         let at_first: usize = ring
@@ -205,6 +223,9 @@ impl<'a> Surface<'a> {
             .sum();
         plan.covers.reserve_exact(at_first);
         for &(f, corners) in &plan.star.turned {
+            if plan.price > limit {
+                return;
+            }
             let own = |face: u32| ring.spokes.iter().find(|s| s.face == face).map(|s| s.own);
             let side = own(f);
             if gathered != side {
@@ -218,10 +239,11 @@ impl<'a> Surface<'a> {
                 corners: corners.map(|v| self.position(v)),
                 sense: i32::from(self.sense(corners)),
             };
-            let mut deviation = self.overlay.deviation(&asked, scratch, &mut plan.covers);
+            let mut deviation = self.overlay.deviation(&asked, limit, scratch, &mut plan.covers);
             for rim in plan.rims.iter().filter(|rim| rim.face == f) {
                 self.leave_out(rim, asked.corners, &mut deviation);
             }
+            plan.price = plan.price.max(f64::from(deviation.total));
             plan.measured.push(Measured {
                 sense: asked.sense as i8,
                 deviation,

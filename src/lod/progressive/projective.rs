@@ -1,9 +1,13 @@
 //! Cells of an overlay along parallel lines and those of a sphere, where edges' images are straight.
 //!
-//! In: a simplified triangle, and vertices of the reference. Out: where these lie in the triangle's image, and the corners of what
-//! it shares with the image of a triangle of the reference.
+//! In: a simplified triangle, and triangles of the reference round it. Out: which of them its image meets, and the largest
+//! distances at the corners of what they share, with what may be more between them.
+//!
+//! Vertices are placed first: what lies inside is measured once, not by each of its triangles. Triangles that lie inside
+//! whole are cells themselves; the others are cut.
 
-use super::overlay::Asked;
+use super::near::Near;
+use super::overlay::{Asked, Largest, Overlay, Squares};
 use crate::param::projection::Line;
 use glam::DVec3;
 
@@ -22,14 +26,47 @@ pub(super) struct Sides {
     pub(super) beside: u8,
 }
 
-/// A corner of a cell: homogeneous coordinates in the simplified triangle, and the reference's point.
-type Corner = (DVec3, DVec3);
-
-/// Corners of a cell, in order: a triangle cut by three lines has six at most.
+/// A corner of a cell that is cut.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Cell {
+struct Corner {
+    /// Its homogeneous coordinates in the simplified triangle.
+    h: DVec3,
+    /// The reference's point.
+    p: DVec3,
+}
+
+/// The corners of a cell, in order: a triangle cut by three lines has six at most.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cell {
     corners: [Corner; 9],
     count: usize,
+}
+
+/// A corner as it is measured: the simplified triangle's point there, its weight, how far it deviates.
+#[derive(Clone, Copy, Debug, Default)]
+struct Met {
+    point: DVec3,
+    weight: f64,
+    squares: Squares,
+}
+
+/// Room for what is found on the way.
+#[derive(Debug, Default)]
+pub(super) struct Sweep {
+    /// Of each vertex that is near: its coordinates, where that is, and what is there if it lies inside.
+    h: Vec<DVec3>,
+    sides: Vec<Sides>,
+    inside: Vec<Met>,
+    cells: [Cell; 2],
+    met: [Met; 9],
+}
+
+/// The simplified triangle.
+struct View {
+    shares: Shares,
+    corners: [DVec3; 3],
+    normal: DVec3,
+    line: Line,
 }
 
 impl Shares {
@@ -40,17 +77,17 @@ impl Shares {
         match line {
             Line::Cylinder => None,
             Line::Parallel => {
-                let area = (b - a).cross(c - a).z;
-                let n = edges.map(|(p, q)| DVec3::new(p.y - q.y, q.x - p.x, 0.0) / area);
+                let per_area = 1.0 / (b - a).cross(c - a).z;
+                let n = edges.map(|(p, q)| DVec3::new(p.y - q.y, q.x - p.x, 0.0) * per_area);
                 Some(Shares {
                     n,
-                    c: DVec3::from(edges.map(|(p, q)| (p.x * q.y - p.y * q.x) / area)),
+                    c: DVec3::from(edges.map(|(p, q)| (p.x * q.y - p.y * q.x) * per_area)),
                 })
             }
             Line::Sphere => {
-                let volume = a.cross(b).dot(c);
+                let per_volume = 1.0 / a.cross(b).dot(c);
                 Some(Shares {
-                    n: edges.map(|(p, q)| p.cross(q) / volume),
+                    n: edges.map(|(p, q)| p.cross(q) * per_volume),
                     c: DVec3::ZERO,
                 })
             }
@@ -72,46 +109,172 @@ impl Sides {
     }
 }
 
-impl Cell {
-    /// What the triangle's image shares with that of a reference triangle, whose corners lie beyond the edges of `beyond`.
-    pub(super) fn new(h: [DVec3; 3], positions: [DVec3; 3], beyond: u8) -> Self {
-        let mut cell = Cell::default();
-        (0..3).for_each(|k| cell.push((h[k], positions[k])));
-        for i in (0..3).filter(|i| beyond & (1 << i) != 0) {
-            cell = cell.cut(i);
+impl View {
+    fn met(&self, h: DVec3, reference: DVec3) -> Met {
+        let [a, b, c] = self.corners;
+        let weight = h.x + h.y + h.z;
+        let point = (a * h.x + b * h.y + c * h.z) * (1.0 / weight);
+        Met {
+            point,
+            weight,
+            squares: Squares::of(reference - point, self.normal),
         }
-        cell
     }
 
-    pub(super) fn corners(&self) -> &[Corner] {
-        &self.corners[..self.count]
+    /// What a cell adds.
+    fn add(&self, corners: &[Met], largest: &mut Largest) {
+        let mut squares = Squares::default();
+        corners.iter().for_each(|c| squares.raise(&c.squares));
+        let more = match self.line {
+            Line::Sphere => more_between(corners),
+            _ => 0.0,
+        };
+        largest.join(&squares, more);
+    }
+}
+
+impl Sweep {
+    /// The largest distances of `asked` from what is near, whose numbers are appended to `covers` where it is met. The search
+    /// ends where it comes to more than `limit`. None for lines along which edges are curved.
+    pub(super) fn largest(
+        &mut self,
+        (overlay, near): (&Overlay<'_>, &Near),
+        (asked, normal): (&Asked, DVec3),
+        limit: f64,
+        covers: &mut Vec<u32>,
+    ) -> Option<Largest> {
+        let view = View {
+            shares: Shares::new(overlay.line, asked)?,
+            corners: asked.corners,
+            normal,
+            line: overlay.line,
+        };
+        self.place(&view, overlay, near);
+        let mut largest = Largest::default();
+        for (&t, &corners) in near.triangles.iter().zip(&near.corners) {
+            let [a, b, c] = corners.map(|v| self.sides[v as usize]);
+            // Beside one of the edges with all corners: nothing is shared.
+            let beside = a.beside & b.beside & c.beside;
+            if beside != 0 || !overlay.faces(t, asked) {
+                continue;
+            }
+            let beyond = a.beyond | b.beyond | c.beyond;
+            let met = match beyond {
+                0 => {
+                    let [a, b, c] = corners.map(|v| self.inside[v as usize]);
+                    view.add(&[a, b, c], &mut largest);
+                    true
+                }
+                _ => self.add_cut((overlay, near), &view, (corners, beyond), &mut largest),
+            };
+            if met {
+                covers.push(t);
+                if largest.total > limit {
+                    break;
+                }
+            }
+        }
+        Some(largest)
     }
 
+    fn place(&mut self, view: &View, overlay: &Overlay<'_>, near: &Near) {
+        self.h.clear();
+        self.sides.clear();
+        self.inside.resize(near.vertices.len(), Met::default());
+        for (&v, inside) in near.vertices.iter().zip(&mut self.inside) {
+            let h = view.shares.of(overlay.t3[v as usize]);
+            let sides = Sides::of(h);
+            if sides.beyond == 0 {
+                *inside = view.met(h, overlay.positions[v as usize]);
+            }
+            self.h.push(h);
+            self.sides.push(sides);
+        }
+    }
+
+    /// Adds the cell of a triangle that lies in part beyond the edges of `beyond`; whether there is one.
+    fn add_cut(
+        &mut self,
+        (overlay, near): (&Overlay<'_>, &Near),
+        view: &View,
+        (corners, beyond): ([u32; 3], u8),
+        largest: &mut Largest,
+    ) -> bool {
+        let [mut cell, mut other] = self.cells.each_mut();
+        cell.count = 3;
+        for (corner, v) in cell.corners.iter_mut().zip(corners) {
+            let vertex = near.vertices[v as usize];
+            *corner = Corner {
+                h: self.h[v as usize],
+                p: overlay.positions[vertex as usize],
+            };
+        }
+        let cuts = [Cell::cut::<0>, Cell::cut::<1>, Cell::cut::<2>];
+        for (i, cut) in cuts.iter().enumerate() {
+            if beyond & (1 << i) != 0 {
+                cut(cell, other);
+                std::mem::swap(&mut cell, &mut other);
+            }
+        }
+        let corners = &cell.corners[..cell.count];
+        let met = &mut self.met[..cell.count];
+        for (met, corner) in met.iter_mut().zip(corners) {
+            *met = view.met(corner.h, corner.p);
+        }
+        if !met.is_empty() {
+            view.add(met, largest);
+        }
+        !met.is_empty()
+    }
+}
+
+impl Cell {
     fn push(&mut self, corner: Corner) {
         // Rounding could make a cut polygon less than convex, by a hair: no corner is lost that is not beside another.
-        if self.count < self.corners.len() {
-            self.corners[self.count] = corner;
+        if let Some(free) = self.corners.get_mut(self.count) {
+            *free = corner;
             self.count += 1;
         }
     }
 
-    /// What lies where coordinate `i` is not negative. Source: Sutherland and Hodgman 1974, Reentrant polygon clipping.
-    fn cut(&self, i: usize) -> Cell {
-        let mut kept = Cell::default();
-        let corners = self.corners();
-        let Some(&(mut before, mut from)) = corners.last() else {
-            return kept;
+    /// What lies where coordinate `I` is not negative. Source: Sutherland and Hodgman 1974, Reentrant polygon clipping.
+    fn cut<const I: usize>(&self, kept: &mut Cell) {
+        kept.count = 0;
+        let corners = &self.corners[..self.count];
+        let Some(mut before) = corners.last() else {
+            return;
         };
-        for &(h, p) in corners {
-            if (h[i] < 0.0) != (before[i] < 0.0) {
-                let s = before[i] / (before[i] - h[i]);
-                kept.push((before.lerp(h, s), from.lerp(p, s)));
+        for corner in corners {
+            let (from, to) = (before.h[I], corner.h[I]);
+            if (from < 0.0) != (to < 0.0) {
+                let s = from / (from - to);
+                kept.push(Corner {
+                    h: before.h.lerp(corner.h, s),
+                    p: before.p.lerp(corner.p, s),
+                });
             }
-            if h[i] >= 0.0 {
-                kept.push((h, p));
+            if to >= 0.0 {
+                kept.push(*corner);
             }
-            (before, from) = (h, p);
+            before = corner;
         }
-        kept
     }
+}
+
+/// How much more a point of a sphere's cell may deviate than its corners do.
+fn more_between(corners: &[Met]) -> f64 {
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+    let mut middle = DVec3::ZERO;
+    for corner in corners {
+        (least, most) = (least.min(corner.weight), most.max(corner.weight));
+        middle += corner.point;
+    }
+    if least <= 0.0 {
+        // The line runs along the simplified triangle's plane: its point may be anywhere.
+        return f64::INFINITY;
+    }
+    middle *= 1.0 / corners.len() as f64;
+    let from_middle = corners.iter().map(|c| c.point.distance_squared(middle));
+    let radius = from_middle.fold(0.0, f64::max).sqrt();
+    radius * 0.5 * (most / least - 1.0)
 }
