@@ -123,10 +123,17 @@ impl<'a> Work<'a> {
     /// Plans the candidates of `places` that are not planned yet. Of those that cost far more than `limit` it finds out no more, as
     /// long as there are others.
     fn plan(&mut self, places: &[u32], limit: f64) {
-        let limit = if places.len() < FEW { f64::INFINITY } else { limit };
+        let limit = if places.len() < FEW {
+            f64::INFINITY
+        } else {
+            limit
+        };
         let unplanned = |u: &u32| self.plans[*u as usize].is_none();
         let open: Vec<u32> = places.iter().copied().filter(unplanned).collect();
-        let (surface, asked) = (&self.surface, (self.collapses.len() as u32, DEAR * limit));
+        let (surface, asked) = (
+            &self.surface,
+            (self.collapses.len() as u32, limit, DEAR * limit),
+        );
         let planned = |scratch: &mut Scratch, &u: &u32| surface.planned(u, asked, scratch);
         let pieces = open.par_iter().with_min_len(PIECE);
         let plans: Vec<_> = pieces.map_init(Scratch::default, planned).collect();

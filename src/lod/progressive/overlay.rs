@@ -18,7 +18,7 @@
 //! Source: Schilling and Klein, Texture-dependent refinement of multiresolution meshes, section 3.2 (and 4.2 for the parts).
 
 use super::near::Near;
-use super::projective::Sweep;
+use super::projective::{Shares, Sweep};
 use super::radial;
 use crate::mesh::Mesh;
 use crate::param::Primary;
@@ -110,6 +110,16 @@ impl<'a> Overlay<'a> {
             .largest((self, near), (asked, normal), limit, covers)
             .unwrap_or_else(|| self.round_the_axis(asked, normal, near, covers))
             .rounded_up()
+    }
+
+    /// How far a triangle lies from a vertex of the reference, if its image holds that vertex.
+    pub(super) fn displaced(&self, v: u32, asked: &Asked) -> Option<f64> {
+        let shares = Shares::new(self.line, asked)?;
+        let h = shares.of(self.t3[v as usize]);
+        let [a, b, c] = asked.corners;
+        let there = (a * h.x + b * h.y + c * h.z) / h.element_sum();
+        let distance = there.distance(self.positions[v as usize]);
+        (h.min_element() >= 0.0).then_some(distance)
     }
 
     /// Triangles of the reference that lie the other way round are never looked up from here, nor from what comes of it.

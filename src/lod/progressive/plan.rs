@@ -148,24 +148,37 @@ impl<'a> Surface<'a> {
     }
 
     /// The best collapse of `u`, by quadric error, that keeps the surface whole and lying well. What costs more than `limit` is
-    /// not measured to the end. `made` tells how many collapses there have been.
-    pub(super) fn planned(&self, u: u32, (made, limit): (u32, f64), scratch: &mut Scratch) -> Planned {
-        self.best(u).map_or(Planned::None, |(ring, error, to, star)| {
-            let mut plan = Box::new(Plan {
-                price: error,
-                to,
-                measured: SmallVec::new(),
-                covers: Vec::new(),
-                rims: self.rims.renewed(&self.live, u, to, &star),
-                star,
-                made,
-            });
-            self.measure(&ring, &mut plan, limit, scratch);
-            match plan.price > limit {
-                true => Planned::Dear(plan.price),
-                false => Planned::Whole(plan),
-            }
-        })
+    /// not measured to the end, and what seems to more than `seems` not at all. `made` tells how many collapses there have been.
+    pub(super) fn planned(
+        &self,
+        u: u32,
+        (made, seems, limit): (u32, f64, f64),
+        scratch: &mut Scratch,
+    ) -> Planned {
+        self.best(u)
+            .map_or(Planned::None, |(ring, error, to, star)| {
+                let least = error.max(self.left_behind(&ring, &star));
+                if least > seems {
+                    return Planned::Dear(least);
+                }
+                let mut plan = Box::new(Plan {
+                    price: least,
+                    to,
+                    measured: SmallVec::new(),
+                    covers: Vec::new(),
+                    rims: match ring.is_whole() {
+                        true => Vec::new(),
+                        false => self.rims.renewed(&self.live, u, to, &star),
+                    },
+                    star,
+                    made,
+                });
+                self.measure(&ring, &mut plan, limit, scratch);
+                match plan.price > limit {
+                    true => Planned::Dear(plan.price),
+                    false => Planned::Whole(plan),
+                }
+            })
     }
 
     /// The ring of `u`, the least quadric error (a distance) of a collapse that may be, where it leads, and what it does.
@@ -182,6 +195,24 @@ impl<'a> Surface<'a> {
             all.then_some((error, to, star))
         })?;
         Some((ring, error.sqrt(), to, star))
+    }
+
+    /// How far the place that goes lies from where it will be: no plan costs less.
+    fn left_behind(&self, ring: &Ring, star: &Star) -> f64 {
+        let spokes = ring.spokes.iter();
+        let far = star.turned.iter().filter_map(|&(f, corners)| {
+            let own = spokes.clone().find(|s| s.face == f)?.own;
+            self.overlay.displaced(own, &self.asked(corners))
+        });
+        far.fold(0.0, f64::max)
+    }
+
+    fn asked(&self, corners: [u32; 3]) -> Asked {
+        Asked {
+            t3: corners.map(|v| self.overlay.t3[v as usize]),
+            corners: corners.map(|v| self.position(v)),
+            sense: i32::from(self.sense(corners)),
+        }
     }
 
     /// Whether a face still faces its projection lines and turns little in space when it gets new corners.
@@ -234,12 +265,10 @@ impl<'a> Surface<'a> {
                 self.overlay.gather(scratch, covers);
                 gathered = side;
             }
-            let asked = Asked {
-                t3: corners.map(|v| self.overlay.t3[v as usize]),
-                corners: corners.map(|v| self.position(v)),
-                sense: i32::from(self.sense(corners)),
-            };
-            let mut deviation = self.overlay.deviation(&asked, limit, scratch, &mut plan.covers);
+            let asked = self.asked(corners);
+            let mut deviation = self
+                .overlay
+                .deviation(&asked, limit, scratch, &mut plan.covers);
             for rim in plan.rims.iter().filter(|rim| rim.face == f) {
                 self.leave_out(rim, asked.corners, &mut deviation);
             }

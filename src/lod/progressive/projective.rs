@@ -121,10 +121,42 @@ impl View {
         }
     }
 
+    /// Where the edge between two corners crosses edge `I`.
+    #[inline]
+    fn crossing<const I: usize>(&self, from: &Corner, to: &Corner) -> Met {
+        let s = from.h[I] / (from.h[I] - to.h[I]);
+        self.met(from.h.lerp(to.h, s), from.p.lerp(to.p, s))
+    }
+
+    /// What the cell of a triangle adds that lies in part beyond edge `I`, and beyond no other: most are. Its corners that lie
+    /// inside are `known`.
+    fn add_cut_once<const I: usize>(
+        &self,
+        corners: &[Corner; 3],
+        known: [&Met; 3],
+        largest: &mut Largest,
+    ) {
+        let beyond = corners.each_ref().map(|corner| corner.h[I] < 0.0);
+        let both = usize::from(beyond[0]) + usize::from(beyond[1]) + usize::from(beyond[2]) == 1;
+        // The corner that is alone on its side of the edge.
+        let k = (0..3).find(|&k| beyond[k] == both).unwrap_or(0);
+        let (next, before) = ((k + 1) % 3, (k + 2) % 3);
+        let ahead = self.crossing::<I>(&corners[k], &corners[next]);
+        let behind = self.crossing::<I>(&corners[k], &corners[before]);
+        match both {
+            true => {
+                let corners = [&ahead, known[next], known[before], &behind];
+                self.add(corners.into_iter(), largest);
+            }
+            false => self.add([known[k], &ahead, &behind].into_iter(), largest),
+        }
+    }
+
     /// What a cell adds.
-    fn add(&self, corners: &[Met], largest: &mut Largest) {
+    #[inline]
+    fn add<'m>(&self, corners: impl Iterator<Item = &'m Met> + Clone, largest: &mut Largest) {
         let mut squares = Squares::default();
-        corners.iter().for_each(|c| squares.raise(&c.squares));
+        corners.clone().for_each(|c| squares.raise(&c.squares));
         let more = match self.line {
             Line::Sphere => more_between(corners),
             _ => 0.0,
@@ -161,8 +193,8 @@ impl Sweep {
             let beyond = a.beyond | b.beyond | c.beyond;
             let met = match beyond {
                 0 => {
-                    let [a, b, c] = corners.map(|v| self.inside[v as usize]);
-                    view.add(&[a, b, c], &mut largest);
+                    let met = corners.map(|v| &self.inside[v as usize]);
+                    view.add(met.into_iter(), &mut largest);
                     true
                 }
                 _ => self.add_cut((overlay, near), &view, (corners, beyond), &mut largest),
@@ -200,29 +232,42 @@ impl Sweep {
         (corners, beyond): ([u32; 3], u8),
         largest: &mut Largest,
     ) -> bool {
+        let corner = |v: u32| Corner {
+            h: self.h[v as usize],
+            p: overlay.positions[near.vertices[v as usize] as usize],
+        };
+        let [a, b, c] = corners;
+        let corners_of = [corner(a), corner(b), corner(c)];
+        if beyond.is_power_of_two() {
+            let known = corners.map(|v| &self.inside[v as usize]);
+            match beyond {
+                1 => view.add_cut_once::<0>(&corners_of, known, largest),
+                2 => view.add_cut_once::<1>(&corners_of, known, largest),
+                _ => view.add_cut_once::<2>(&corners_of, known, largest),
+            }
+            return true;
+        }
         let [mut cell, mut other] = self.cells.each_mut();
         cell.count = 3;
-        for (corner, v) in cell.corners.iter_mut().zip(corners) {
-            let vertex = near.vertices[v as usize];
-            *corner = Corner {
-                h: self.h[v as usize],
-                p: overlay.positions[vertex as usize],
-            };
+        cell.corners[..3].copy_from_slice(&corners_of);
+        if beyond & 1 != 0 {
+            cell.cut::<0>(other);
+            std::mem::swap(&mut cell, &mut other);
         }
-        let cuts = [Cell::cut::<0>, Cell::cut::<1>, Cell::cut::<2>];
-        for (i, cut) in cuts.iter().enumerate() {
-            if beyond & (1 << i) != 0 {
-                cut(cell, other);
-                std::mem::swap(&mut cell, &mut other);
-            }
+        if beyond & 2 != 0 {
+            cell.cut::<1>(other);
+            std::mem::swap(&mut cell, &mut other);
         }
-        let corners = &cell.corners[..cell.count];
+        if beyond & 4 != 0 {
+            cell.cut::<2>(other);
+            std::mem::swap(&mut cell, &mut other);
+        }
         let met = &mut self.met[..cell.count];
-        for (met, corner) in met.iter_mut().zip(corners) {
+        for (met, corner) in met.iter_mut().zip(&cell.corners) {
             *met = view.met(corner.h, corner.p);
         }
         if !met.is_empty() {
-            view.add(met, largest);
+            view.add(met.iter(), largest);
         }
         !met.is_empty()
     }
@@ -262,19 +307,21 @@ impl Cell {
 }
 
 /// How much more a point of a sphere's cell may deviate than its corners do.
-fn more_between(corners: &[Met]) -> f64 {
+#[inline]
+fn more_between<'m>(corners: impl Iterator<Item = &'m Met> + Clone) -> f64 {
     let (mut least, mut most) = (f64::INFINITY, 0.0f64);
-    let mut middle = DVec3::ZERO;
-    for corner in corners {
+    let (mut middle, mut count) = (DVec3::ZERO, 0.0);
+    for corner in corners.clone() {
         (least, most) = (least.min(corner.weight), most.max(corner.weight));
         middle += corner.point;
+        count += 1.0;
     }
     if least <= 0.0 {
         // The line runs along the simplified triangle's plane: its point may be anywhere.
         return f64::INFINITY;
     }
-    middle *= 1.0 / corners.len() as f64;
-    let from_middle = corners.iter().map(|c| c.point.distance_squared(middle));
+    middle *= 1.0 / count;
+    let from_middle = corners.map(|c| c.point.distance_squared(middle));
     let radius = from_middle.fold(0.0, f64::max).sqrt();
     radius * 0.5 * (most / least - 1.0)
 }

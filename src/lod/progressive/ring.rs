@@ -46,6 +46,13 @@ impl Ring {
         }
     }
 
+    /// Whether there is neither rim nor seam at this place.
+    pub(super) fn is_whole(&self) -> bool {
+        let before = self.spokes.iter().cycle().skip(self.spokes.len() - 1);
+        let mut pairs = before.zip(&self.spokes);
+        self.closed && pairs.all(|(a, b)| a.own == b.own && a.before == b.next)
+    }
+
     /// Puts the faces in order; none where they are not one fan.
     fn of(mut spokes: SmallVec<[Spoke; 10]>) -> Option<Self> {
         let twice = |k: usize| {
@@ -59,8 +66,10 @@ impl Ring {
         }
         // On a rim the first is the one that no other leads to.
         let led_to = |s: &Spoke| spokes.iter().any(|other| other.before[0] == s.next[0]);
-        let first = spokes.iter().position(|s| !led_to(s));
-        spokes.swap(0, first.unwrap_or(0));
+        let first = spokes.iter().position(|s| !led_to(s)).unwrap_or(0);
+        if first < spokes.len() {
+            spokes.swap(0, first);
+        }
         for k in 1..spokes.len() {
             let at = spokes[k - 1].before[0];
             let next = spokes[k..].iter().position(|s| s.next[0] == at)?;
