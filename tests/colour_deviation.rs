@@ -211,7 +211,8 @@ fn sampled(model: &Model, colours: &Colours<'_>, distance: Distance, points: u64
             let bounds: Vec<f32> = (0..deviations.levels)
                 .map(|k| deviations.at(*t, k).tangential)
                 .collect();
-            let seen = colour::sampled::largest(model, colours, &deviations, distance, made, points);
+            let seen =
+                colour::sampled::largest(model, colours, &deviations, distance, made, points);
             for (k, &bound) in bounds.iter().enumerate() {
                 let bound = f64::from(bound);
                 found.points += seen.points;

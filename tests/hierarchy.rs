@@ -6,6 +6,7 @@ mod parted;
 use camera::{looking, perspective};
 use glam::DVec3;
 use invertex::lod::multiresolution::{Hierarchy, Limits, Memory, Seen, StepColours};
+use invertex::lod::progressive::colour::Distance;
 use invertex::lod::progressive::{Deviation, Progressive, Steps};
 use invertex::mesh::shapes;
 use invertex::param::{Axis, PrimaryKind};
@@ -74,6 +75,7 @@ fn steps_of_something_else_are_refused() {
 fn colours_fit_or_are_refused() {
     let (model, history) = sphere();
     let colours = |levels: usize, rows: usize, footprint: f32| StepColours {
+        distance: Distance::Lab,
         footprint,
         levels,
         codes: vec![[1, 1]; rows * levels],
@@ -124,6 +126,24 @@ fn a_cut_is_a_level() {
     }
 }
 
+#[test]
+fn a_mesh_in_two_places_gets_one_cut_for_both() {
+    let (model, history) = sphere();
+    let hierarchy = Hierarchy::new(history, &model.mesh.positions, None);
+    let cut = |views: &[Seen]| {
+        let view = |seen| hierarchy.model.view(seen, &Limits::default()).unwrap();
+        let views: Vec<_> = views.iter().map(view).collect();
+        let cut = hierarchy.model.select(&views, &mut Memory::default());
+        hierarchy.lod(&model.input(), &cut)
+    };
+    let (near, far) = (seen(6.0), seen(60.0));
+    assert!(cut(&[near]).triangles.len() > cut(&[far]).triangles.len());
+    assert_eq!(cut(&[far, near]).triangles, cut(&[near]).triangles);
+    // Nowhere at all: the coarsest.
+    let coarsest = hierarchy.history.after(hierarchy.model.collapses()).count();
+    assert_eq!(cut(&[]).triangles.len(), coarsest);
+}
+
 /// A rough sheet of which one half says that its colours are off by nothing.
 #[test]
 fn colours_let_the_plain_half_be_coarse() {
@@ -146,6 +166,7 @@ fn colours_let_the_plain_half_be_coarse() {
         }
     }
     let colours = StepColours {
+        distance: Distance::Lab,
         footprint: 0.01,
         levels: 2,
         codes,

@@ -48,6 +48,7 @@ fn build(scene: Scene, layout: Layout) -> Built {
             tables,
             lods,
             prefiltered: None,
+            hierarchy: None,
             report: serde_json::json!({ "build_ms": 0.1, "why": "test" }),
         });
     }

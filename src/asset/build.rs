@@ -9,19 +9,20 @@
 //!
 //! The same scene and settings give the same model, whichever processor builds the tables.
 
-use super::motion::{places, shapes};
+use super::hierarchy::Asked;
 use super::report::{self, MeshReport};
 use super::settings::{BuildSettings, Processor, Progress, check, hash_for};
+use super::work::Work;
 use super::{Built, BuiltMesh};
 use crate::igt::{self, Ambiguous, Asking, BuildOptions, Needs, Reference, Tables};
+use crate::lod::Lod;
 use crate::lod::deviation::{Deviation, deviation};
-use crate::lod::{self, Lod, LodInput, Shape, Simplifier};
+use crate::lod::multiresolution::Hierarchy;
 use crate::mesh::Mesh;
 use crate::param::{self, Chosen, Parts, Primary, Quality, Weighed};
 use crate::scene::Scene;
 use crate::{Error, Result};
 use rayon::prelude::*;
-use std::time::Instant;
 
 /// A built model and what was found on the way.
 #[derive(Clone, Debug)]
@@ -51,14 +52,7 @@ pub fn build(
     let meshes: Vec<usize> = (0..scene.meshes.len())
         .filter(|&m| !scene.meshes[m].triangles.is_empty())
         .collect();
-    let mut work = Work {
-        names: scene.meshes.iter().map(|mesh| mesh.name.clone()).collect(),
-        settings,
-        progress,
-        done: 0,
-        of: meshes.len() * 5 + 1,
-        milliseconds: Vec::new(),
-    };
+    let mut work = Work::new(&scene, meshes.len(), settings, progress);
     let chosen = work.each("primary", &meshes, |m| choose(&scene.meshes[m], settings))?;
     for (&m, chosen) in meshes.iter().zip(&chosen) {
         if let Some(computed) = &chosen.computed {
@@ -69,10 +63,11 @@ pub fn build(
         let at = meshes.iter().position(|&other| other == m).unwrap_or(0);
         Ok(param::parts(&scene.meshes[m], &chosen[at].primary))
     })?;
-    let chains = work.chains(&scene, &meshes, &chosen, &parts)?;
+    let (chains, hierarchies) = work.chains(&scene, &meshes, &chosen, &parts)?;
     let mut prepared: Vec<Prepared> = Vec::with_capacity(meshes.len());
-    for (((mesh, chosen), parts), lods) in meshes.iter().copied().zip(chosen).zip(parts).zip(chains)
-    {
+    let of_lods = chains.into_iter().zip(hierarchies);
+    let all = meshes.iter().copied().zip(chosen).zip(parts).zip(of_lods);
+    for (((mesh, chosen), parts), (lods, hierarchy)) in all {
         prepared.push(Prepared {
             mesh,
             primary: chosen.primary,
@@ -81,6 +76,7 @@ pub fn build(
             quality: chosen.computed.map(|computed| computed.quality),
             parts,
             lods,
+            hierarchy,
         });
     }
     let tables = work.with_prepared("tables", &prepared, |p| {
@@ -110,6 +106,7 @@ pub fn build(
             tables,
             lods: p.lods,
             prefiltered: None,
+            hierarchy: p.hierarchy,
             report: report.to_json(),
         });
         reports.push(report);
@@ -134,6 +131,7 @@ pub(super) struct Prepared {
     pub(super) quality: Option<Quality>,
     pub(super) parts: Parts,
     pub(super) lods: Vec<Lod>,
+    pub(super) hierarchy: Option<Hierarchy>,
 }
 
 fn choose(mesh: &Mesh, settings: &BuildSettings) -> Result<Chosen> {
@@ -161,15 +159,20 @@ fn tables(
         layout: settings.layout,
     };
     let layer = &p.parts.triangle_layer;
-    tables_of(mesh, &p.primary, layer, &p.lods, options, processor)
+    let cuts = p
+        .hierarchy
+        .as_ref()
+        .map(|h| Asked::of(mesh, &p.primary, &h.history));
+    tables_of(mesh, &p.primary, layer, &p.lods, cuts, options, processor)
 }
 
-/// The tables of a mesh for the LoDs that will be drawn with them.
+/// The tables of a mesh for the LoDs and cuts that will be drawn with them.
 pub(super) fn tables_of(
     mesh: &Mesh,
     primary: &Primary,
     layer: &[u8],
     lods: &[Lod],
+    cuts: Option<Asked>,
     options: BuildOptions,
     processor: Processor<'_>,
 ) -> Result<Tables> {
@@ -181,6 +184,7 @@ pub(super) fn tables_of(
             triangles: &lod.triangles,
             layer: &lod.triangle_layer,
         })
+        .chain(cuts.as_ref().map(Asked::asking))
         .collect();
     let needs = Needs::of(&reference, &asking, options.bits()?);
     match processor {
@@ -215,104 +219,6 @@ fn deviations(mesh: &Mesh, lods: &[Lod]) -> Vec<Deviation> {
     lods.par_iter()
         .map(|lod| deviation(reference, (&lod.positions, &lod.triangles)))
         .collect()
-}
-
-/// Steps, their times, and the one who listens.
-struct Work<'a> {
-    names: Vec<String>,
-    settings: &'a BuildSettings,
-    progress: &'a dyn Progress,
-    done: usize,
-    of: usize,
-    milliseconds: Vec<(&'static str, f64)>,
-}
-
-impl Work<'_> {
-    /// One step of `stage`.
-    fn step<T>(
-        &mut self,
-        stage: &'static str,
-        subject: &str,
-        work: impl FnOnce() -> Result<T>,
-    ) -> Result<T> {
-        if self.progress.cancelled() {
-            return Err(Error::Cancelled);
-        }
-        self.progress.at(stage, subject, self.done, self.of);
-        let start = Instant::now();
-        let result = work()?;
-        let spent = start.elapsed().as_secs_f64() * 1e3;
-        match self
-            .milliseconds
-            .iter_mut()
-            .find(|(name, _)| *name == stage)
-        {
-            Some((_, total)) => *total += spent,
-            None => self.milliseconds.push((stage, spent)),
-        }
-        self.done += 1;
-        Ok(result)
-    }
-
-    fn each<T>(
-        &mut self,
-        stage: &'static str,
-        meshes: &[usize],
-        work: impl Fn(usize) -> Result<T>,
-    ) -> Result<Vec<T>> {
-        meshes
-            .iter()
-            .map(|&m| {
-                let name = self.names[m].clone();
-                self.step(stage, &name, || work(m))
-            })
-            .collect()
-    }
-
-    fn with_prepared<T>(
-        &mut self,
-        stage: &'static str,
-        prepared: &[Prepared],
-        work: impl Fn(&Prepared) -> Result<T>,
-    ) -> Result<Vec<T>> {
-        prepared
-            .iter()
-            .map(|p| {
-                let name = self.names[p.mesh].clone();
-                self.step(stage, &name, || work(p))
-            })
-            .collect()
-    }
-
-    /// The LoDs of all meshes, simplified together.
-    fn chains(
-        &mut self,
-        scene: &Scene,
-        meshes: &[usize],
-        chosen: &[Chosen],
-        parts: &[Parts],
-    ) -> Result<Vec<Vec<Lod>>> {
-        let fractions = &self.settings.lods;
-        let places = places(scene);
-        let inputs: Vec<LodInput> = meshes
-            .iter()
-            .zip(chosen)
-            .zip(parts)
-            .map(|((&m, chosen), parts)| LodInput {
-                mesh: &scene.meshes[m],
-                primary: &chosen.primary,
-                parts,
-                world: places[m],
-            })
-            .collect();
-        self.step("lods", "", || {
-            let shapes: Vec<Vec<Shape>> = meshes.iter().map(|&m| shapes(scene, m)).collect();
-            match self.settings.simplifier {
-                Simplifier::Meshopt => lod::chains_in_motion(&inputs, &shapes, fractions),
-                Simplifier::Progressive => lod::nested_chains(&inputs, fractions),
-            }
-        })
-    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use super::extension::{
     EXTENSION, LodExtension, MSFT_LOD, MeshExtension, PrefilteredExtension, RootExtension, VERSION,
 };
-use super::{Built, BuiltMesh, embedding, morph, original};
+use super::{Built, BuiltMesh, embedding, hierarchy, morph, original};
 use crate::attribute::Prefiltered;
 use crate::lod::Lod;
 use crate::mesh::Mesh;
@@ -104,6 +104,11 @@ impl Writer<'_> {
         }
         self.nodes(mesh.mesh, &lods);
         let prefiltered = mesh.prefiltered.as_ref().map(|p| self.prefiltered(p));
+        let hierarchy = mesh.hierarchy.as_ref().map(|h| {
+            hierarchy::write(h, |bytes| {
+                (!bytes.is_empty()).then(|| self.view(bytes, None))
+            })
+        });
         let extension = MeshExtension {
             primary: tables.primary,
             embedding,
@@ -120,6 +125,7 @@ impl Writer<'_> {
             stats: tables.stats,
             lods,
             prefiltered: prefiltered.transpose()?,
+            hierarchy,
             report: mesh.report.clone(),
         };
         self.json["meshes"][mesh.mesh]["extensions"][EXTENSION] = to_value(&extension)?;

@@ -1,6 +1,7 @@
 //! The JSON of the vendor extension, as `schema/` documents it.
 
 use super::embedding::EmbeddingExtension;
+use super::hierarchy::HierarchyExtension;
 use crate::attribute::Scope;
 use crate::igt::{Format, Layout, Stats, Window};
 use crate::param::Primary;
@@ -70,6 +71,8 @@ pub(super) struct MeshExtension {
     pub(super) lods: Vec<LodExtension>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) prefiltered: Option<PrefilteredExtension>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) hierarchy: Option<HierarchyExtension>,
     #[serde(default)]
     pub(super) report: serde_json::Value,
 }

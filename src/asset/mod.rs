@@ -16,9 +16,11 @@
 
 mod build;
 mod decode;
+mod decode_lod;
 mod embedding;
 mod encode;
 mod extension;
+mod hierarchy;
 mod morph;
 mod motion;
 mod original;
@@ -27,18 +29,20 @@ mod rebuild;
 mod report;
 mod settings;
 mod tables;
+mod work;
 
 pub use build::{BuildOutcome, build};
 pub use decode::{is_built, read};
 pub use encode::to_bytes;
 pub use extension::EXTENSION;
 pub use report::{LodReport, MeshReport, NAMED, TableBytes};
-pub use settings::{BuildSettings, Processor, Progress, hash_for};
+pub use settings::{BuildSettings, Multiresolution, Processor, Progress, hash_for};
 pub use tables::{MeshTables, TableFile, open_tables};
 
 use crate::attribute::Prefiltered;
 use crate::igt::{Reference, Tables};
 use crate::lod::Lod;
+use crate::lod::multiresolution::Hierarchy;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 use crate::{Error, Result};
@@ -68,6 +72,8 @@ pub struct BuiltMesh {
     pub lods: Vec<Lod>,
     /// What was filtered beforehand over the primary parameterization, for the shader LoD.
     pub prefiltered: Option<Prefiltered>,
+    /// Triangles of every age, of which any view takes a cut.
+    pub hierarchy: Option<Hierarchy>,
     /// Whatever else the build reports; kept, not interpreted.
     pub report: serde_json::Value,
 }

@@ -4,6 +4,7 @@
 //! as it speaks of the old ones.
 
 use super::build::tables_of;
+use super::hierarchy::Asked;
 use super::{Built, BuiltMesh, Processor};
 use crate::Result;
 use crate::igt::BuildOptions;
@@ -27,6 +28,10 @@ impl Built {
                 primary,
                 &built.triangle_layer,
                 &built.lods,
+                built
+                    .hierarchy
+                    .as_ref()
+                    .map(|h| Asked::of(mesh, primary, &h.history)),
                 options(built),
                 processor,
             )?;

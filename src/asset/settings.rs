@@ -4,6 +4,7 @@
 
 use crate::igt::{BuildOptions, Layout};
 use crate::lod::Simplifier;
+use crate::lod::progressive::colour::Distance;
 use crate::param::PrimaryRequest;
 use crate::scene::Scene;
 use crate::{Error, Result};
@@ -23,6 +24,20 @@ pub struct BuildSettings {
     pub lods: Vec<f32>,
     /// What makes them.
     pub simplifier: Simplifier,
+    /// What meshes that nothing deforms get besides, so that any view takes a cut of them.
+    pub multiresolution: Multiresolution,
+}
+
+/// Whether a mesh gets a multiresolution model, and what it knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Multiresolution {
+    /// It gets none.
+    #[default]
+    None,
+    /// It knows how far details are displaced.
+    Geometry,
+    /// It knows that, and what colours are off by.
+    Colours(Distance),
 }
 
 impl Default for BuildSettings {
@@ -34,6 +49,7 @@ impl Default for BuildSettings {
             layout: Layout::Packed,
             lods: vec![0.5, 0.2, 0.1, 0.05],
             simplifier: Simplifier::default(),
+            multiresolution: Multiresolution::None,
         }
     }
 }

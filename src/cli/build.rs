@@ -3,8 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use invertex::asset::{self, BuildSettings, MeshReport};
-use invertex::igt::Layout;
-use invertex::lod;
 use invertex::output::{check_target, write_bytes};
 use invertex::param::PrimaryRequest;
 use invertex::recover::prefilter;
@@ -13,6 +11,7 @@ use invertex::{Error, Result};
 use serde::{Serialize, Serializer};
 use std::time::Instant;
 
+use super::build_choices::{LayoutName, Mrm, Simplifier};
 use super::device::Device;
 use super::print::{self, Table, percent, thousands};
 use super::progress::Bar;
@@ -83,20 +82,10 @@ pub(super) struct Build {
     /// What simplifies.
     #[arg(long, value_enum, default_value_t = Simplifier::Meshopt)]
     simplifier: Simplifier,
-}
-
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum LayoutName {
-    Packed,
-    Classic,
-}
-
-#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
-enum Simplifier {
-    /// Quadric edge collapse by meshoptimizer, one error budget over all meshes.
-    Meshopt,
-    /// Progressive meshes, ours: bounds how far any detail of the texture is displaced; levels are nested.
-    Progressive,
+    /// Keep every step of the simplification, so that `render --lod pixels:X` draws triangles of every age side by side, as
+    /// many as the view needs. Meshes that an animation deforms go without.
+    #[arg(long, value_enum, value_name = "WHAT", num_args = 0..=1, require_equals = true, default_missing_value = "lab")]
+    mrm: Option<Mrm>,
 }
 
 #[derive(Serialize)]
@@ -179,14 +168,9 @@ impl Build {
         let mut settings = BuildSettings {
             hash: hash(&self.hash)?,
             lods: fractions(&self.lods)?,
-            layout: match self.layout {
-                LayoutName::Packed => Layout::Packed,
-                LayoutName::Classic => Layout::Classic,
-            },
-            simplifier: match self.simplifier {
-                Simplifier::Meshopt => lod::Simplifier::Meshopt,
-                Simplifier::Progressive => lod::Simplifier::Progressive,
-            },
+            layout: self.layout.into(),
+            simplifier: self.simplifier.into(),
+            multiresolution: Mrm::of(self.mrm),
             ..BuildSettings::default()
         };
         for text in &self.primary {

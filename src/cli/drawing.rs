@@ -46,7 +46,7 @@ impl Mode {
         matches!(self, Mode::Igt | Mode::Plain | Mode::Fetches)
     }
 
-    fn correspond(self, built: bool) -> Correspond {
+    pub(super) fn correspond(self, built: bool) -> Correspond {
         match self {
             Mode::Reference => Correspond::Reference,
             Mode::Plain => Correspond::Plain,
@@ -135,7 +135,6 @@ impl<'a> Staged<'a> {
         pose: &Pose,
         device: &Device,
     ) -> Result<(Self, Vec<String>)> {
-        let lit = wish.shading == Shading::Lit || wish.mode == Mode::Normals;
         let (subjects, correspond) = match model {
             Model::Plain(_) => (Vec::new(), Correspond::Reference),
             Model::Built(built) if wish.shader_lod => (
@@ -145,16 +144,12 @@ impl<'a> Staged<'a> {
             Model::Built(built) => (subjects(built, wish.level), wish.mode.correspond(true)),
         };
         let scene = model.scene();
-        let (attributes, warnings) = match wish.shown {
-            Some(shown) => attributes_showing(scene, lit, shown)?,
-            None => attributes_of(scene, lit)?,
-        };
-        let picture = stage_with(attributes, scene, &subjects, correspond, pose)?;
+        let (renderer, warnings) = staged(scene, &subjects, correspond, (wish, pose), device)?;
         let staged = Staged {
             scene,
             subjects,
             correspond,
-            renderer: renderer(picture, wish.path, device)?,
+            renderer,
         };
         Ok((staged, warnings))
     }
@@ -164,6 +159,23 @@ impl<'a> Staged<'a> {
         self.renderer
             .repose(self.scene, &self.subjects, self.correspond, pose)
     }
+}
+
+/// A renderer of `subjects` in a pose, as `wish` says; also what was replaced on the way.
+pub(super) fn staged(
+    scene: &Scene,
+    subjects: &[Subject],
+    correspond: Correspond,
+    (wish, pose): (Wish, &Pose),
+    device: &Device,
+) -> Result<(Renderer, Vec<String>)> {
+    let lit = wish.shading == Shading::Lit || wish.mode == Mode::Normals;
+    let (attributes, warnings) = match wish.shown {
+        Some(shown) => attributes_showing(scene, lit, shown)?,
+        None => attributes_of(scene, lit)?,
+    };
+    let picture = stage_with(attributes, scene, subjects, correspond, pose)?;
+    Ok((renderer(picture, wish.path, device)?, warnings))
 }
 
 /// A renderer of `picture` on `device`.

@@ -1,12 +1,13 @@
 //! `--lod`: which level of detail.
 //!
-//! In: `N`, `triangles:N` or `pixels:X`, a built model, a camera. Out: a level: 0 is the reference's own geometry, 1, 2,
-//! .. the chain.
+//! In: `N`, `triangles:N`, `pixels:X` or `pixels:X,colour:Y`, a built model, a camera. Out: a level: 0 is the reference's own
+//! geometry, 1, 2, .. the chain; or the limits of a cut.
 
 use std::str::FromStr;
 
 use invertex::Result;
 use invertex::asset::Built;
+use invertex::lod::multiresolution::Limits;
 use invertex::render::{Camera, in_chain, levels, triangles};
 
 use super::bad_option;
@@ -18,22 +19,44 @@ pub(super) enum LodChoice {
     Level(usize),
     /// The finest level with at most so many triangles, over the whole model; the coarsest where all have more.
     Triangles(usize),
-    /// The coarsest level whose deviation stays under so many pixels.
-    Pixels(f64),
+    /// Of a multiresolution model the cut within so many pixels, and within the colour difference where one is given; of others
+    /// the coarsest level whose deviation stays under the pixels.
+    Pixels {
+        /// Pixels on the screen.
+        pixels: f64,
+        /// In the unit of the model's colour deviations.
+        colour: Option<f64>,
+    },
 }
 
 impl FromStr for LodChoice {
     type Err = String;
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
-        let wrong = || format!("\"{text}\" is not a level (0, 1, ..), triangles:N or pixels:X");
+        let wrong = || {
+            format!(
+                "\"{text}\" is not a level (0, 1, ..), triangles:N, pixels:X or pixels:X,colour:Y"
+            )
+        };
+        let limit = |text: &str| {
+            let limit = text.parse::<f64>().ok();
+            limit
+                .filter(|x| x.is_finite() && *x >= 0.0)
+                .ok_or_else(wrong)
+        };
         match text.split_once(':') {
             None => text.parse().map(LodChoice::Level).map_err(|_| wrong()),
             Some(("triangles", n)) => n.parse().map(LodChoice::Triangles).map_err(|_| wrong()),
-            Some(("pixels", x)) => match x.parse::<f64>() {
-                Ok(pixels) if pixels.is_finite() && pixels >= 0.0 => Ok(LodChoice::Pixels(pixels)),
-                _ => Err(wrong()),
-            },
+            Some(("pixels", limits)) => {
+                let (pixels, colour) = match limits.split_once(",colour:") {
+                    Some((pixels, colour)) => (pixels, Some(limit(colour)?)),
+                    None => (limits, None),
+                };
+                Ok(LodChoice::Pixels {
+                    pixels: limit(pixels)?,
+                    colour,
+                })
+            }
             Some(_) => Err(wrong()),
         }
     }
@@ -64,11 +87,27 @@ impl LodChoice {
                 let fits = |&level: &usize| triangles(built, level) <= most;
                 Ok((0..levels).find(fits).unwrap_or(levels - 1))
             }
-            LodChoice::Pixels(most) => {
+            LodChoice::Pixels { pixels: most, .. } => {
                 let scale = pixels_per_unit(camera, sphere);
                 let fits = |&level: &usize| deviation(built, level) * scale <= most;
                 Ok((0..levels).rev().find(fits).unwrap_or(0))
             }
+        }
+    }
+}
+
+impl LodChoice {
+    /// The limits of a cut; none where a level is meant. In a sequence what is finer stays so until it may be coarser with
+    /// a tenth to spare: nothing flickers.
+    pub(super) fn limits(&self, is_sequence: bool) -> Option<Limits> {
+        match *self {
+            LodChoice::Pixels { pixels, colour } => Some(Limits {
+                pixels,
+                colour,
+                hysteresis: if is_sequence { 0.9 } else { 1.0 },
+                outside: true,
+            }),
+            _ => None,
         }
     }
 }
@@ -133,7 +172,12 @@ mod tests {
     fn choices_are_read() {
         assert_eq!("3".parse(), Ok(LodChoice::Level(3)));
         assert_eq!("triangles:500".parse(), Ok(LodChoice::Triangles(500)));
-        assert_eq!("pixels:0.5".parse(), Ok(LodChoice::Pixels(0.5)));
+        let pixels = |colour| LodChoice::Pixels {
+            pixels: 0.5,
+            colour,
+        };
+        assert_eq!("pixels:0.5".parse(), Ok(pixels(None)));
+        assert_eq!("pixels:0.5,colour:2".parse(), Ok(pixels(Some(2.0))));
         for bad in [
             "",
             "-1",
@@ -141,6 +185,11 @@ mod tests {
             "pixels:",
             "pixels:nan",
             "pixels:-1",
+            "pixels:1,colour:",
+            "pixels:1,colour:-2",
+            "pixels:1,colour:nan",
+            "pixels:,colour:2",
+            "colour:2",
             "triangles:1.5",
             "metres:1",
         ] {

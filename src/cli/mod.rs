@@ -14,6 +14,7 @@ mod bake_preview;
 mod bake_report;
 mod bake_settings;
 mod build;
+mod build_choices;
 mod compare;
 mod demo;
 mod demo_report;

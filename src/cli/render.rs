@@ -16,7 +16,7 @@ use super::{Common, bad_option, note};
 use invertex::asset::Model;
 use invertex::attribute::Attribute;
 use invertex::output::{check_target, make_folder, write_bytes};
-use invertex::render::{Camera, Output, Projection, Switching, View, blended, parse_views};
+use invertex::render::{Camera, Output, Projection, Switching, View, parse_views};
 use invertex::scene::read_file;
 use invertex::{Error, Result};
 
@@ -32,7 +32,7 @@ const NO_FILTER: &str =
 A camera file: {\"width\": W, \"height\": H, \"views\": [{\"name\": \"front.png\", \"view\": [[4x4, row-major, world to
 camera, which looks down -Z, +Y up]], \"projection_vulkan\": [[4x4, clip z 0..1, y down]]}, ..]}
 
-JSON: device, animation (its name), attribute, images[]: path, time (seconds into the animation), width, height, lod, leaving {lod, share} (while --blend goes on), triangles,
+JSON: device, animation (its name), attribute, images[]: path, time (seconds into the animation), width, height, lod, cut {pixels, colour, asked, selection_ms} (with a multiresolution model), leaving {lod, share} (while --blend goes on), triangles,
 covered_pixels, mean_fetches, prefiltered_pixels (with --shader-lod: shown without a lookup), sha256 (of the file), passes[] (nanoseconds of each); warnings[].
 
 EXR layers with --aov: triangle.id (of the reference, in its own mesh; -1 outside), barycentric.x .y .z, fetches.count,
@@ -43,6 +43,7 @@ Examples:
   invertex render built.glb -o lod2.png --mode igt --lod 2
   invertex render built.glb -o plain.png --mode plain --lod triangles:500 --shading unlit
   invertex render built.glb -o views/ --camera cameras.json --mode igt --lod pixels:0.5
+  invertex render mrm.glb -o view.png --mode igt --lod pixels:0.5,colour:2
   invertex render built.glb -o far.png --mode igt --lod 3 --shader-lod 1
   invertex render built.glb -o lod1.exr --aov --mode igt --lod 1 --view 30,15 --ortho
   invertex render built.glb -o occlusion.png --mode igt --lod 2 --attribute occlusion
@@ -68,7 +69,8 @@ pub(super) struct Render {
     #[arg(long, value_enum, default_value_t = DrawPath::Deferred)]
     path: DrawPath,
     /// The level of detail: N (0 is the reference's own geometry), triangles:N (the finest with at most N), or pixels:X
-    /// (the coarsest that deviates less than X pixels). Default: 1 where LoDs are drawn.
+    /// (the coarsest that deviates less than X pixels; of a model made with `build --mrm` the triangles that this view needs,
+    /// of any age), with ,colour:Y where they may move farther if no colour changes by more. Default: 1 where LoDs are drawn.
     #[arg(long, value_name = "LEVEL", allow_hyphen_values = true)]
     lod: Option<LodChoice>,
     /// How light falls.
@@ -167,6 +169,7 @@ impl Render {
         };
         let switching = Switching::new(self.motion.blend);
         let mut stages = Stages::new(&model, wish, &device, animation, switching);
+        stages.check_cuts(self.lod, self.motion.blend)?;
         let shots = self.shots(views, &frames, sphere)?;
         let bar = Bar::new(common, shots.len() as u64);
         let mut images = Vec::new();
@@ -211,7 +214,7 @@ impl Render {
             return Err(bad_option("--samples", reason));
         }
         self.check_shader_lod()?;
-        let switches = matches!(self.lod, Some(LodChoice::Pixels(_)));
+        let switches = matches!(self.lod, Some(LodChoice::Pixels { .. }));
         let coloured = !matches!(self.mode, Mode::Normals | Mode::Fetches);
         self.motion.check_blend(switches, coloured)?;
         if let Some(camera) = &self.camera {
@@ -330,7 +333,6 @@ impl Render {
         sphere: ([f64; 3], f64),
     ) -> Result<ImageReport> {
         let wanted = self.level(stages.model, &shot.camera, sphere)?;
-        let step = stages.switching.next(wanted);
         let time = motion::shown(stages.model.scene(), stages.animation, shot.time);
         let moment = time.or(shot.time);
         let mut options = drawing::options(self.mode, self.shading, self.samples);
@@ -340,27 +342,28 @@ impl Render {
             options.output = Output::Data;
         }
         options.time = shot.time.unwrap_or(0.0) as f32;
-        let renderer = stages.at(step.level, time)?;
-        let mut image = renderer.draw(&shot.camera, &options)?;
-        let mut triangles = renderer.picture().triangle_count();
-        if let Some((old, share)) = step.leaving {
-            let renderer = stages.at(old, time)?;
-            let from = renderer.draw(&shot.camera, &options)?;
-            triangles += renderer.picture().triangle_count();
-            image = blended(&from, &image, share);
-        }
+        let limits = self
+            .lod
+            .and_then(|lod| lod.limits(self.motion.is_sequence()));
+        let cut = match &limits {
+            Some(limits) => stages.draw_cut((limits, wanted), &shot.camera, &options, time)?,
+            None => None,
+        };
+        let mut drawn = match cut {
+            Some(drawn) => drawn,
+            None => stages.draw(wanted, &shot.camera, &options, time)?,
+        };
         if let Some(background) = self.background {
-            background.under(&mut image);
+            background.under(&mut drawn.image);
         }
         let format = Format::of(&shot.path).unwrap_or(Format::Png);
-        let bytes = drawing::encode(&image, format, self.aov)?;
+        let bytes = drawing::encode(&drawn.image, format, self.aov)?;
         write_bytes(&shot.path, &bytes)?;
         let path = shot.path.display().to_string();
         Ok(ImageReport::new(
             path,
             &bytes,
-            image,
-            (step, triangles),
+            drawn,
             moment,
             self.shader_lod.is_some(),
         ))

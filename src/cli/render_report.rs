@@ -1,10 +1,11 @@
 //! What `render` says of its images.
 
-use invertex::render::{Rendered, Step};
+use invertex::render::Rendered;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::print::{Table, thousands};
+use super::render_stages::{CutReport, Drawn};
 
 #[derive(Serialize)]
 pub(super) struct Report {
@@ -29,6 +30,9 @@ pub(super) struct ImageReport {
     /// The level that is left.
     #[serde(skip_serializing_if = "Option::is_none")]
     leaving: Option<Leaving>,
+    /// Limits and cost of a cut, where one was drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cut: Option<CutReport>,
     triangles: u32,
     covered_pixels: u64,
     mean_fetches: f64,
@@ -54,25 +58,26 @@ struct Pass {
 }
 
 impl ImageReport {
-    /// Of an image of `triangles` triangles at `step`, written as `bytes` to `path`.
+    /// Of an image written as `bytes` to `path`.
     pub(super) fn new(
         path: String,
         bytes: &[u8],
-        image: Rendered,
-        (step, triangles): (Step, u32),
+        drawn: Drawn,
         time: Option<f64>,
         shader_lod: bool,
     ) -> Self {
         let pass = |(name, nanoseconds)| Pass { name, nanoseconds };
         let digest = Sha256::digest(bytes);
+        let image = drawn.image;
         ImageReport {
             path,
             time,
             width: image.width,
             height: image.height,
-            lod: step.level,
-            leaving: step.leaving.map(|(lod, share)| Leaving { lod, share }),
-            triangles,
+            lod: drawn.level,
+            leaving: drawn.leaving.map(|(lod, share)| Leaving { lod, share }),
+            cut: drawn.cut,
+            triangles: drawn.triangles,
             covered_pixels: image.covered_pixels,
             mean_fetches: image.mean_fetches,
             prefiltered_pixels: shader_lod.then(|| prefiltered(&image)),

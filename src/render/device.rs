@@ -111,9 +111,18 @@ pub(crate) struct Target {
 
 impl Device {
     pub(crate) fn new(context: &Context, picture: &Picture) -> Result<Self> {
+        Self::of(context, picture, upload(context, picture)?)
+    }
+
+    /// Another picture of the same textures and tables.
+    pub(super) fn restaged(&self, picture: &Picture) -> Result<Self> {
+        let arrays = geometry(&self.context, picture, self.arrays.clone())?;
+        Self::of(&self.context, picture, arrays)
+    }
+
+    fn of(context: &Context, picture: &Picture, arrays: Arrays) -> Result<Self> {
         let compute = vk::ShaderStageFlags::COMPUTE;
         let shading = function::variant(&picture.attributes, compute, "render/shade.comp")?;
-        let arrays = upload(context, picture)?;
         let project =
             context
                 .compute::<render_project::Shader>()?
@@ -305,6 +314,25 @@ impl Device {
     }
 }
 
+/// The arrays that another geometry writes anew.
+fn geometry(context: &Context, picture: &Picture, kept: Arrays) -> Result<Arrays> {
+    let attributes = &picture.attributes;
+    Ok(Arrays {
+        draws: context.upload::<DrawRecord>("draws", &picture.draws)?,
+        corners: context.upload("triangles", &picture.corners)?,
+        projected: context.storage("projected vertices", projected_bytes(picture))?,
+        positions: context.upload("positions", &picture.positions)?,
+        attribute_triangles: context.upload("attribute triangles", &attributes.triangles)?,
+        attribute_vertices: context.upload("attribute vertices", &attributes.vertices)?,
+        t3: context.upload("t3", &picture.t3)?,
+        ..kept
+    })
+}
+
+fn projected_bytes(picture: &Picture) -> u64 {
+    u64::from(picture.vertex_count()) * size_of::<Projected>() as u64
+}
+
 /// Workgroups of `size` invocations for `count` of them, in two dimensions because one holds 65535 groups.
 fn groups(count: u32, size: u32) -> [u32; 3] {
     let groups = count.div_ceil(size);
@@ -322,11 +350,10 @@ pub(super) fn upload(context: &Context, picture: &Picture) -> Result<Arrays> {
             .flat_map(|t| words(t).iter().copied())
             .collect()
     };
-    let projected = u64::from(picture.vertex_count()) * size_of::<Projected>() as u64;
     Ok(Arrays {
         draws: context.upload::<DrawRecord>("draws", &picture.draws)?,
         corners: context.upload("triangles", &picture.corners)?,
-        projected: context.storage("projected vertices", projected)?,
+        projected: context.storage("projected vertices", projected_bytes(picture))?,
         positions: context.upload("positions", &picture.positions)?,
         constants: context.upload("constants", &picture.constants)?,
         attribute_triangles: context.upload("attribute triangles", &attributes.triangles)?,

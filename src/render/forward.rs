@@ -4,7 +4,7 @@
 //! the deferred path up to the rasteriser's and the texture unit's own rounding. Textures of one size, colour space and
 //! sampler are layers of one array ([`CLASSES`] of them), so that no array of images is indexed by a variable.
 
-use super::device::{Arrays, Posed};
+use super::device::{Arrays, Posed, upload};
 use super::draw::ViewConstants;
 use super::filter::Filter;
 use super::function;
@@ -140,6 +140,11 @@ impl Forward {
             draw_count: picture.draws.len() as u32,
             triangle_count: picture.triangle_count(),
         })
+    }
+
+    /// Another picture of the same textures and tables.
+    pub(super) fn restaged(&self, picture: &Picture) -> Result<Self> {
+        Self::new(&self.context, picture, &upload(&self.context, picture)?)
     }
 
     /// The pipeline of a filter, made when it is first asked for.

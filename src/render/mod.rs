@@ -15,6 +15,7 @@ mod camera_file;
 mod constants;
 mod correspond;
 mod cover;
+mod cut;
 mod deform;
 #[cfg(feature = "gpu")]
 mod device;
@@ -44,6 +45,7 @@ pub use camera_file::{View, parse_views};
 pub use constants::legend;
 pub(crate) use constants::{THRESHOLDS_AT, constants};
 pub(crate) use correspond::inverse_at;
+pub use cut::{Cuts, Cutter};
 pub use draw::Light;
 pub use filter::Filter;
 pub use levels::{

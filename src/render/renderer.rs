@@ -189,17 +189,51 @@ impl Renderer {
         correspond: Correspond,
         pose: &Pose,
     ) -> Result<()> {
-        let nothing = Picture::new(AttributeSet::default());
-        let mut attributes = std::mem::replace(&mut self.picture, nothing).attributes;
-        attributes.triangles.clear();
-        attributes.vertices.clear();
-        self.picture = stage_with(attributes, scene, subjects, correspond, pose)?;
+        self.stage(scene, subjects, correspond, pose)?;
         #[cfg(feature = "gpu")]
         match &self.on {
             Processor::Cpu => {}
             Processor::Deferred(device) => device.posed.write(&self.picture)?,
             Processor::Forward(forward) => forward.posed.write(&self.picture)?,
         }
+        Ok(())
+    }
+
+    /// From now on draws other levels of `scene`, say the cuts of another view: subjects may have other LoDs than its picture
+    /// was staged with, and nothing else. The deferred path keeps textures and tables where they are.
+    ///
+    /// # Errors
+    /// As [`stage_posed`](super::stage_posed), after which the renderer is of no use; those of the device.
+    pub fn restage(
+        &mut self,
+        scene: &Scene,
+        subjects: &[Subject],
+        correspond: Correspond,
+        pose: &Pose,
+    ) -> Result<()> {
+        self.stage(scene, subjects, correspond, pose)?;
+        #[cfg(feature = "gpu")]
+        match &mut self.on {
+            Processor::Cpu => {}
+            Processor::Deferred(device) => **device = device.restaged(&self.picture)?,
+            Processor::Forward(forward) => **forward = forward.restaged(&self.picture)?,
+        }
+        Ok(())
+    }
+
+    /// Makes the picture anew, with the textures that it has.
+    fn stage(
+        &mut self,
+        scene: &Scene,
+        subjects: &[Subject],
+        correspond: Correspond,
+        pose: &Pose,
+    ) -> Result<()> {
+        let nothing = Picture::new(AttributeSet::default());
+        let mut attributes = std::mem::replace(&mut self.picture, nothing).attributes;
+        attributes.triangles.clear();
+        attributes.vertices.clear();
+        self.picture = stage_with(attributes, scene, subjects, correspond, pose)?;
         Ok(())
     }
 

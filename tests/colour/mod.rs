@@ -245,4 +245,3 @@ pub(crate) fn spread(i: u64) -> f64 {
     h = (h ^ (h >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     (h >> 11) as f64 / (1u64 << 53) as f64
 }
-

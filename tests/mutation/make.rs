@@ -216,6 +216,7 @@ fn build(model: &(String, Vec<u8>), kind: PrimaryKind, layout: Layout) -> Built 
             tables,
             lods,
             prefiltered: None,
+            hierarchy: None,
             report: json!({ "a": 1 }),
         }],
         scene,

@@ -11,6 +11,9 @@ pub(super) const NORMAL_STEPS: f32 = 127.0;
 /// A deviation that no view accepts, and a length that no model has; its square is still a float.
 pub(super) const FAR: f32 = 1e15;
 
+/// The least deviation that is any: its square is no subnormal float, which some processors take for nothing.
+const NEAR: f32 = 1e-15;
+
 /// A region of the surface, on both levels: the triangles that a collapse takes away and those that it makes. 48 bytes, as a
 /// shader reads it.
 #[repr(C)]
@@ -72,8 +75,9 @@ impl Bound {
 
     /// Takes deviations into account.
     pub(super) fn displace(&mut self, total: f32, normal: f32) {
-        self.total = self.total.max(total.min(FAR));
-        self.normal = self.normal.max(normal.min(FAR));
+        let kept = |d: f32| if d > 0.0 { d.clamp(NEAR, FAR) } else { 0.0 };
+        self.total = self.total.max(kept(total));
+        self.normal = self.normal.max(kept(normal));
     }
 
     /// Holds a normal of the original surface (0) or of a simplified triangle (1).

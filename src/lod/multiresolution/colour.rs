@@ -8,21 +8,13 @@ use super::node::by;
 use super::tree::BLOCK;
 use super::{MAX_LEVELS, Multiresolution};
 use crate::lod::progressive::Progressive;
-
-/// Colour deviations of every triangle of a history.
-#[derive(Clone, Copy, Debug)]
-pub struct FaceColours<'a> {
-    /// Object units of a pixel at level 0; each level's are twice those of the one before.
-    pub footprint: f32,
-    /// Levels of footprints, at most [`MAX_LEVELS`].
-    pub levels: usize,
-    /// For each triangle, for each level: tangential deviation and product.
-    pub of: &'a [[f32; 2]],
-}
+use crate::lod::progressive::colour::{ColourDeviations, Distance};
 
 /// Colour deviations of the collapses of a history.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepColours {
+    /// What they are measured by.
+    pub distance: Distance,
     /// Object units of a pixel at level 0; each level's are twice those of the one before.
     pub footprint: f32,
     /// Levels of footprints, at most [`MAX_LEVELS`].
@@ -46,22 +38,20 @@ pub struct Colours {
 
 impl StepColours {
     /// The largest of the triangles that each collapse makes.
-    pub fn of(history: &Progressive, faces: &FaceColours<'_>) -> Self {
-        let levels = faces.levels.min(MAX_LEVELS);
+    pub fn of(history: &Progressive, deviations: &ColourDeviations, distance: Distance) -> Self {
+        let levels = deviations.levels.min(MAX_LEVELS);
         let mut codes = vec![[0u8; 2]; history.collapses.len() * levels];
-        for (made, values) in history
-            .triangles
-            .iter()
-            .zip(faces.of.chunks(faces.levels.max(1)))
-        {
+        for (t, made) in history.triangles.iter().enumerate() {
             let Some(c) = made.made else { continue };
             let first = c as usize * levels;
-            for (codes, values) in codes[first..first + levels].iter_mut().zip(values) {
-                worst(codes, values.map(encoded));
+            for (level, codes) in codes[first..first + levels].iter_mut().enumerate() {
+                let off = deviations.at(t, level);
+                worst(codes, [encoded(off.tangential), encoded(off.product)]);
             }
         }
         StepColours {
-            footprint: faces.footprint,
+            distance,
+            footprint: deviations.footprint,
             levels,
             codes,
         }

@@ -20,8 +20,14 @@ pub struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// Of a history of the mesh whose vertices lie at `positions`. `colours` fit ([`StepColours::fits`]).
-    pub fn new(history: Progressive, positions: &[[f32; 3]], colours: Option<StepColours>) -> Self {
+    /// Of a history of the mesh whose vertices lie at `positions`. `colours` fit ([`StepColours::fits`]). Prices of collapses
+    /// become what steps alone tell: the largest deviation so far.
+    pub fn new(
+        mut history: Progressive,
+        positions: &[[f32; 3]],
+        colours: Option<StepColours>,
+    ) -> Self {
+        history.price_by_deviation();
         Hierarchy {
             model: Multiresolution::new(&history, positions, colours.as_ref()),
             history,

@@ -25,6 +25,8 @@
 
 mod bound;
 mod colour;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod hierarchy;
 mod node;
 mod select;
@@ -32,7 +34,7 @@ mod tree;
 mod view;
 
 pub use bound::Bound;
-pub use colour::{Colours, FaceColours, StepColours, decoded, encoded};
+pub use colour::{Colours, StepColours, decoded, encoded};
 pub use hierarchy::Hierarchy;
 pub use select::{Cut, Memory};
 pub use view::{Limits, MAX_LEVELS, Seen, View};

@@ -114,8 +114,8 @@ impl<'a> Selection<'a> {
                 .iter()
                 .all(|view| view.accepts(bound, &colour, limit))
         };
-        // What stays is at the end; blocks of it and of others are asked as any.
-        let is_collapse = level > 0 || n < self.model.collapses();
+        // What stays for ever is at the end: no block with some of it is accepted.
+        let is_collapse = n < self.model.collapses() / BLOCK.pow(level as u32);
         let accepted = is_collapse
             && (accepts(Limit::Coarsen)
                 || (level == 0 && self.before.accepted(0, n) && accepts(Limit::Stay)));

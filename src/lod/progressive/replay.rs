@@ -50,7 +50,11 @@ impl Progressive {
                 .map_err(|reason| format!("collapse {number} of {from} onto {to} {reason}"))?;
         }
         match replay.deviations.len() {
-            0 => Ok(replay.live.history(replay.collapses)),
+            0 => {
+                let mut history = replay.live.history(replay.collapses);
+                history.price_by_deviation();
+                Ok(history)
+            }
             n => Err(format!("{n} deviations of no triangle")),
         }
     }
@@ -81,21 +85,33 @@ impl Replay<'_> {
             .split_at_checked(count)
             .ok_or("makes triangles without a deviation")?;
         self.deviations = left.iter();
-        let dearest = self.collapses.last().map_or(0.0, |c| c.price);
-        let largest = deviations.iter().map(|d| f64::from(d.total));
-        let dearest = largest.fold(dearest, f64::max);
         let turned = deviations.iter().map(|&deviation| Turned {
             sense: 0,
             deviation,
             covers: &[],
         });
         live.collapse([from, to], &star, turned, self.collapses.len() as u32);
-        self.collapses.push(Collapse {
-            from,
-            to,
-            price: dearest,
-        });
+        let price = 0.0;
+        self.collapses.push(Collapse { from, to, price });
         Ok(())
+    }
+}
+
+impl Progressive {
+    /// Makes the price of each collapse the largest deviation so far of the triangles that were made.
+    pub(crate) fn price_by_deviation(&mut self) {
+        self.collapses.iter_mut().for_each(|c| c.price = 0.0);
+        for t in &self.triangles {
+            if let Some(c) = t.made {
+                let price = &mut self.collapses[c as usize].price;
+                *price = price.max(f64::from(t.deviation.total));
+            }
+        }
+        let mut dearest = 0.0f64;
+        for c in &mut self.collapses {
+            dearest = dearest.max(c.price);
+            c.price = dearest;
+        }
     }
 }
 

@@ -138,7 +138,8 @@ impl Box5 {
 
 fn look(sides: [Side<'_>; 2], polygon: &Pair) -> Found {
     let reach = Box5::new(polygon);
-    if !(reach.weight[0] > 0.0) {
+    let is_ahead = reach.weight[0] > 0.0;
+    if !is_ahead {
         // A corner at infinity, by rounding.
         return Found {
             upper: f32::INFINITY,

@@ -8,7 +8,10 @@
 use glam::{DVec3, Vec4};
 
 /// How colours are compared.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
 pub enum Distance {
     /// Distance in CIELAB under D65 (Delta E of 1976): 1 is about what is just noticed, 100 is black against white.
     #[default]

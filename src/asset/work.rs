@@ -1,0 +1,154 @@
+//! The steps of a build: what they are called, how long they take, who hears of them.
+//!
+//! In: settings, a scene. Out: what each step makes, and milliseconds of each stage.
+
+use super::build::Prepared;
+use super::hierarchy::{LEAST, stands_still};
+use super::motion::{places, shapes};
+use super::settings::{BuildSettings, Multiresolution, Progress};
+use crate::lod::multiresolution::Hierarchy;
+use crate::lod::progressive::Progressive;
+use crate::lod::{self, Lod, LodInput, Shape, Simplifier};
+use crate::param::{Chosen, Parts};
+use crate::scene::Scene;
+use crate::{Error, Result};
+use std::time::Instant;
+
+/// Steps, their times, and the one who listens.
+pub(super) struct Work<'a> {
+    names: Vec<String>,
+    settings: &'a BuildSettings,
+    progress: &'a dyn Progress,
+    done: usize,
+    of: usize,
+    /// Of each stage, in order.
+    pub(super) milliseconds: Vec<(&'static str, f64)>,
+}
+
+impl<'a> Work<'a> {
+    pub(super) fn new(
+        scene: &Scene,
+        meshes: usize,
+        settings: &'a BuildSettings,
+        progress: &'a dyn Progress,
+    ) -> Self {
+        let of_each = 5 + usize::from(settings.multiresolution != Multiresolution::None);
+        Work {
+            names: scene.meshes.iter().map(|mesh| mesh.name.clone()).collect(),
+            settings,
+            progress,
+            done: 0,
+            of: meshes * of_each + 1,
+            milliseconds: Vec::new(),
+        }
+    }
+
+    /// One step of `stage`.
+    fn step<T>(
+        &mut self,
+        stage: &'static str,
+        subject: &str,
+        work: impl FnOnce() -> Result<T>,
+    ) -> Result<T> {
+        if self.progress.cancelled() {
+            return Err(Error::Cancelled);
+        }
+        self.progress.at(stage, subject, self.done, self.of);
+        let start = Instant::now();
+        let result = work()?;
+        let spent = start.elapsed().as_secs_f64() * 1e3;
+        match self
+            .milliseconds
+            .iter_mut()
+            .find(|(name, _)| *name == stage)
+        {
+            Some((_, total)) => *total += spent,
+            None => self.milliseconds.push((stage, spent)),
+        }
+        self.done += 1;
+        Ok(result)
+    }
+
+    /// A step for each mesh of the scene.
+    pub(super) fn each<T>(
+        &mut self,
+        stage: &'static str,
+        meshes: &[usize],
+        work: impl Fn(usize) -> Result<T>,
+    ) -> Result<Vec<T>> {
+        meshes
+            .iter()
+            .map(|&m| {
+                let name = self.names[m].clone();
+                self.step(stage, &name, || work(m))
+            })
+            .collect()
+    }
+
+    /// A step for each mesh that is on its way.
+    pub(super) fn with_prepared<T>(
+        &mut self,
+        stage: &'static str,
+        prepared: &[Prepared],
+        work: impl Fn(&Prepared) -> Result<T>,
+    ) -> Result<Vec<T>> {
+        prepared
+            .iter()
+            .map(|p| {
+                let name = self.names[p.mesh].clone();
+                self.step(stage, &name, || work(p))
+            })
+            .collect()
+    }
+
+    /// The LoDs of all meshes, simplified together, and the histories that views will cut.
+    pub(super) fn chains(
+        &mut self,
+        scene: &Scene,
+        meshes: &[usize],
+        chosen: &[Chosen],
+        parts: &[Parts],
+    ) -> Result<(Vec<Vec<Lod>>, Vec<Option<Hierarchy>>)> {
+        let fractions = &self.settings.lods;
+        let places = places(scene);
+        let inputs: Vec<LodInput> = meshes
+            .iter()
+            .zip(chosen)
+            .zip(parts)
+            .map(|((&m, chosen), parts)| LodInput {
+                mesh: &scene.meshes[m],
+                primary: &chosen.primary,
+                parts,
+                world: places[m],
+            })
+            .collect();
+        let simplifier = self.settings.simplifier;
+        let chains = self.step("lods", "", || {
+            let shapes: Vec<Vec<Shape>> = meshes.iter().map(|&m| shapes(scene, m)).collect();
+            match simplifier {
+                Simplifier::Meshopt => lod::chains_in_motion(&inputs, &shapes, fractions),
+                Simplifier::Progressive => lod::nested_chains(&inputs, fractions),
+            }
+        })?;
+        let hierarchies = self.hierarchies(&inputs)?;
+        Ok((chains, hierarchies))
+    }
+
+    /// The histories that views will cut, of meshes that stand still.
+    fn hierarchies(&mut self, inputs: &[LodInput<'_>]) -> Result<Vec<Option<Hierarchy>>> {
+        let mut hierarchies = Vec::with_capacity(inputs.len());
+        for input in inputs {
+            let hierarchy = || {
+                let history = Progressive::new(input, LEAST)?;
+                Ok(Hierarchy::new(history, &input.mesh.positions, None))
+            };
+            let wanted =
+                self.settings.multiresolution != Multiresolution::None && stands_still(input.mesh);
+            hierarchies.push(match wanted {
+                true => Some(self.step("multiresolution", &input.mesh.name, hierarchy)?),
+                false => None,
+            });
+        }
+        Ok(hierarchies)
+    }
+}

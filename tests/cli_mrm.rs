@@ -1,0 +1,105 @@
+//! Multiresolution models through the real binary: `build --mrm`, `render --lod pixels:X,colour:Y`, what is refused.
+#![cfg(feature = "cli")]
+
+mod cli_support;
+mod glb;
+
+use cli_support::{Ball, Folder, Run, invertex};
+
+fn ball() -> Vec<u8> {
+    Ball {
+        rings: 24,
+        ..Ball::default()
+    }
+    .glb()
+}
+
+/// A folder with a ball, built with these options besides.
+fn built(more: &[&str]) -> (Folder, String) {
+    let folder = Folder::new();
+    let (from, to) = (folder.write("ball.glb", &ball()), folder.at("built.glb"));
+    let arguments = ["build", &from, "-o", &to, "--device", "cpu"];
+    invertex(&[&arguments, more].concat()).ok();
+    (folder, to)
+}
+
+fn render(file: &str, out: &str, lod: &str, more: &[&str]) -> Run {
+    let arguments = [
+        "render", file, "-o", out, "--mode", "igt", "--lod", lod, "--device", "cpu", "--json",
+        "--size", "96x96",
+    ];
+    invertex(&[&arguments, more].concat())
+}
+
+#[test]
+fn fewer_pixels_off_take_more_triangles() {
+    let (folder, built) = built(&["--mrm=geometry"]);
+    let triangles = |lod: &str| {
+        let json = render(&built, &folder.at("a.png"), lod, &[]).ok().json();
+        let image = &json["images"][0];
+        assert!(image["cut"]["asked"].as_u64().unwrap() > 0, "{json}");
+        assert_eq!(image["cut"]["colour"], serde_json::Value::Null);
+        image["triangles"].as_u64().unwrap()
+    };
+    let counts = ["pixels:0", "pixels:0.5", "pixels:4"].map(triangles);
+    assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
+}
+
+#[test]
+fn cuts_follow_the_camera_through_a_sequence() {
+    let (folder, built) = built(&["--mrm=geometry"]);
+    let out = folder.at("away");
+    let json = render(
+        &built,
+        &out,
+        "pixels:0.5",
+        &["--distance", "1..30", "--frames", "6"],
+    )
+    .ok()
+    .json();
+    let images = json["images"].as_array().unwrap();
+    let triangles: Vec<u64> = images
+        .iter()
+        .map(|i| i["triangles"].as_u64().unwrap())
+        .collect();
+    assert_eq!(triangles.len(), 6);
+    assert!(
+        triangles.is_sorted_by(|a, b| a >= b) && triangles[0] > 4 * triangles[5],
+        "{triangles:?}"
+    );
+}
+
+#[test]
+fn what_a_model_does_not_know_is_refused() {
+    let (folder, plain) = built(&[]);
+    let out = folder.at("a.png");
+    render(&plain, &out, "pixels:1,colour:2", &[]).fails(2, &["--mrm"]);
+    // Levels of the chain, as without colour.
+    render(&plain, &out, "pixels:1", &[]).ok();
+    let (folder, geometry) = built(&["--mrm=geometry"]);
+    let out = folder.at("a.png");
+    render(&geometry, &out, "pixels:1,colour:2", &[]).fails(2, &["what colours are off by"]);
+    for wrong in [
+        "pixels:nan",
+        "pixels:-1",
+        "pixels:1,colour:-1",
+        "pixels:1,color:1",
+        "pixels:1,colour:",
+    ] {
+        let run = render(&geometry, &out, wrong, &[]);
+        assert!(
+            run.code == 2 && run.stderr.contains("pixels:X,colour:Y"),
+            "{}",
+            run.stderr
+        );
+    }
+    let sequence = folder.at("away");
+    let more = ["--distance", "1..30", "--frames", "3", "--blend", "2"];
+    render(&geometry, &sequence, "pixels:1", &more).fails(2, &["--blend"]);
+    let run = invertex(&["build", "x.glb", "-o", "y.glb", "--mrm=taste"]);
+    assert!(
+        run.code == 2 && run.stderr.contains("geometry"),
+        "{}",
+        run.stderr
+    );
+}
