@@ -1,12 +1,14 @@
 //! Progressive meshes: every prefix is a surface, and what is said of its deviation holds.
 
+mod hills;
 mod parted;
 
 use glam::DVec3;
+use hills::{bellied, computed, hilly, models};
 use invertex::lod::deviation::deviation;
 use invertex::lod::progressive::{Made, Progressive, deviation_of};
 use invertex::lod::{LodInput, nested_chains};
-use invertex::mesh::{Mesh, shapes};
+use invertex::mesh::shapes;
 use invertex::param::projection::{hit, orientation};
 use invertex::param::{Axis, PrimaryKind};
 use parted::{Model, spread};
@@ -14,63 +16,6 @@ use std::collections::{HashMap, HashSet};
 
 fn progressive(model: &Model, least: usize) -> Progressive {
     Progressive::new(&model.input(), least).unwrap()
-}
-
-fn computed(mesh: &Mesh, request: &str) -> Model {
-    Model::with(mesh, &request.parse().unwrap())
-}
-
-/// A ball with hills.
-fn hilly(subdivisions: u32) -> Mesh {
-    let mut mesh = shapes::icosphere(subdivisions);
-    for p in &mut mesh.positions {
-        let wave = |x: f32, y: f32| (5.0 * x + 1.0).sin() * (4.0 * y).cos();
-        let r = 1.0 + 0.12 * wave(p[0], p[1]) + 0.07 * wave(p[2], p[0] + 2.0);
-        *p = p.map(|x| x * r);
-    }
-    mesh
-}
-
-/// A sheet with hills, whose uv is squeezed towards one side.
-fn squeezed(n: u32) -> Mesh {
-    let mut mesh = shapes::grid(n);
-    for (p, uv) in mesh.positions.iter_mut().zip(&mut mesh.uv_sets[0]) {
-        p[2] += 0.1 * (4.0 * p[0]).sin() * (3.0 * p[1]).cos();
-        uv[0] = uv[0] * uv[0] * 0.6 + 0.3 * uv[0];
-    }
-    mesh
-}
-
-/// A tube whose radius varies.
-fn bellied(segments: u32, rings: u32) -> Mesh {
-    let mut mesh = shapes::tube(segments, rings);
-    let axis = 2;
-    for p in &mut mesh.positions {
-        let r = 1.0 + 0.25 * (3.0 * p[axis]).sin();
-        (p[0], p[1]) = (p[0] * r, p[1] * r);
-    }
-    mesh
-}
-
-fn models() -> Vec<(&'static str, Model)> {
-    vec![
-        ("sphere", Model::new(hilly(3), PrimaryKind::Sphere)),
-        ("sphere:map", computed(&hilly(2), "sphere:map")),
-        (
-            "plane",
-            Model::new(squeezed(20), PrimaryKind::Plane(Axis::Z)),
-        ),
-        ("uv", Model::new(squeezed(20), PrimaryKind::UvSet(0))),
-        (
-            "uv seam",
-            Model::new(bellied(24, 12), PrimaryKind::UvSet(0)),
-        ),
-        (
-            "cylinder",
-            Model::new(bellied(24, 12), PrimaryKind::Cylinder(Axis::Z)),
-        ),
-        ("charts", computed(&hilly(3), "lscm")),
-    ]
 }
 
 /// Prefixes that are looked at: of all collapses none, half, nine tenths, and all.

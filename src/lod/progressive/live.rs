@@ -22,6 +22,7 @@ use crate::lod::LodInput;
 use crate::param::PrimaryKind;
 use crate::param::fit_surface::weld;
 use crate::param::weld::by_place;
+use rayon::prelude::*;
 use smallvec::SmallVec;
 
 /// No collapse.
@@ -155,6 +156,22 @@ impl Live {
             self.changed[place as usize] = number + 1;
         }
         self.covers.clear(f);
+    }
+
+    /// For each vertex of the mesh whether an edge of a rim or seam ends there.
+    pub(super) fn on_rim(&self) -> Vec<bool> {
+        let rims = (0..self.faces.len() as u32)
+            .into_par_iter()
+            .flat_map_iter(|f| {
+                let [a, b, c] = self.faces[f as usize].corners;
+                let edges = [[a, b], [b, c], [c, a]].into_iter();
+                edges.filter(move |&edge| self.is_rim(f, edge)).flatten()
+            });
+        let mut on_rim = vec![false; self.place.len()];
+        for v in rims.collect::<Vec<u32>>() {
+            on_rim[v as usize] = true;
+        }
+        on_rim
     }
 
     /// The corner of face `f` that lies at place `u`.

@@ -22,6 +22,7 @@ mod plan;
 mod projective;
 mod quadric;
 mod radial;
+mod refine;
 mod replay;
 mod rim;
 mod ring;
@@ -136,6 +137,7 @@ pub fn deviation_of(
         t3: t3.map(|p| DVec3::from(p.map(f64::from))),
         corners: corners.map(|p| DVec3::from(p.map(f64::from))),
         sense: orientation(overlay.line, &t3),
+        rims: 0,
     };
     let all: Vec<u32> = (0..input.mesh.triangles.len() as u32).collect();
     let mut scratch = Scratch::default();

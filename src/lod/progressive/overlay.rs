@@ -20,6 +20,7 @@
 use super::near::Near;
 use super::projective::{Shares, Sweep};
 use super::radial;
+use super::refine::{Corner, Piece, Refine};
 use crate::mesh::Mesh;
 use crate::param::Primary;
 use crate::param::projection::{Line, orientation};
@@ -56,12 +57,15 @@ pub(super) struct Asked {
     pub(super) t3: [DVec3; 3],
     pub(super) corners: [DVec3; 3],
     pub(super) sense: i32,
+    /// Bit i where the edge opposite corner i may be one of a rim or a seam: it keeps the triangles of the reference that lie
+    /// beyond it. They were left out by a chord, and another chord may take them in again.
+    pub(super) rims: u8,
 }
 
 /// The largest of what is added up over the cells.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Largest {
-    pub(super) total: f64,
+    total: f64,
     tangential: f64,
     normal: f64,
 }
@@ -102,13 +106,18 @@ impl<'a> Overlay<'a> {
         &self,
         asked: &Asked,
         limit: f64,
-        Scratch { near, sweep }: &mut Scratch,
+        Scratch {
+            near,
+            sweep,
+            refine,
+        }: &mut Scratch,
         covers: &mut Vec<u32>,
     ) -> Deviation {
-        let normal = normal_of(asked.corners);
+        let asked = (asked, normal_of(asked.corners));
+        refine.clear();
         sweep
-            .largest((self, near), (asked, normal), limit, covers)
-            .unwrap_or_else(|| self.round_the_axis(asked, normal, near, covers))
+            .largest((self, near), asked, limit, refine, covers)
+            .unwrap_or_else(|| self.round_the_axis(asked, limit, (near, refine), covers))
             .rounded_up()
     }
 
@@ -130,22 +139,34 @@ impl<'a> Overlay<'a> {
     /// For the lines of a cylinder.
     fn round_the_axis(
         &self,
-        asked: &Asked,
-        normal: DVec3,
-        near: &Near,
+        (asked, normal): (&Asked, DVec3),
+        limit: f64,
+        (near, refine): (&Near, &mut Refine),
         covers: &mut Vec<u32>,
     ) -> Largest {
-        let mut largest = Largest::default();
+        let known = |piece: &Piece| {
+            let cell = radial::cell(asked, piece.map(|c| c.h), piece.map(|c| c.p))?;
+            let mut squares = Squares::default();
+            for corner in &cell.corners {
+                squares.raise(&Squares::of(corner.reference - corner.simplified, normal));
+            }
+            let more = cell.bound() * self.unit - squares.total.sqrt();
+            Some((squares, more.max(0.0)))
+        };
         for &t in near.triangles.iter().filter(|&&t| self.faces(t, asked)) {
-            let corners = self.triangles[t as usize];
-            let t3 = corners.map(|v| self.t3[v as usize]);
-            let positions = corners.map(|v| self.positions[v as usize]);
-            if let Some(cell) = radial::cell(asked, t3, positions) {
-                largest.add_radial(&cell, self.unit, normal);
+            let piece = self.triangles[t as usize].map(|v| Corner {
+                h: self.t3[v as usize],
+                p: self.positions[v as usize],
+            });
+            if let Some(known) = known(&piece) {
+                refine.take(known, || piece);
                 covers.push(t);
+                if refine.farthest() > limit {
+                    return refine.attained();
+                }
             }
         }
-        largest
+        refine.finish(known)
     }
 }
 
@@ -154,6 +175,7 @@ impl<'a> Overlay<'a> {
 pub(super) struct Scratch {
     near: Near,
     sweep: Sweep,
+    refine: Refine,
 }
 
 /// The unit normal of a triangle in space; zero for one without area.
@@ -174,15 +196,6 @@ impl Deviation {
 }
 
 impl Largest {
-    fn add_radial(&mut self, cell: &radial::Cell, unit: f64, normal: DVec3) {
-        let mut at_corners = Squares::default();
-        for corner in &cell.corners {
-            at_corners.raise(&Squares::of(corner.reference - corner.simplified, normal));
-        }
-        let bound = cell.bound() * unit;
-        self.join(&at_corners, (bound - at_corners.total.sqrt()).max(0.0));
-    }
-
     /// A cell's: what was found at its corners, and how much more may lie between them.
     pub(super) fn join(&mut self, corners: &Squares, more: f64) {
         // Few cells have more than others had: roots are taken of those alone.
@@ -234,9 +247,25 @@ impl Squares {
         }
     }
 
-    pub(super) fn raise(&mut self, other: &Squares) {
+    /// Takes over what is larger; whether the first was.
+    #[inline]
+    pub(super) fn raise(&mut self, other: &Squares) -> bool {
+        let raised = other.total > self.total;
         self.total = self.total.max(other.total);
         self.tangential = self.tangential.max(other.tangential);
         self.normal = self.normal.max(other.normal);
+        raised
+    }
+
+    pub(super) fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// Whether the roots are no larger than those of others and `slack`, which may be negative.
+    pub(super) fn are_below(&self, others: &Squares, slack: f64) -> bool {
+        let is_below = |a: f64, b: f64| a.sqrt() <= b.sqrt() + slack;
+        is_below(self.total, others.total)
+            && is_below(self.tangential, others.tangential)
+            && is_below(self.normal, others.normal)
     }
 }

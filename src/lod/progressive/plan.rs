@@ -77,6 +77,8 @@ pub(super) struct Surface<'a> {
     pub(super) live: Live,
     pub(super) quadrics: Vec<Quadric>,
     pub(super) rims: Rims,
+    /// For each vertex whether it lies on a rim or seam.
+    on_rim: Vec<bool>,
     /// What each place's collapse cost when it was last planned. Deviations seldom fall as the surface gets coarser: a place
     /// whose surroundings changed is not planned again before its turn comes.
     pub(super) known: Vec<f64>,
@@ -97,6 +99,7 @@ impl<'a> Surface<'a> {
             overlay,
             quadrics: Vec::new(),
             rims: Rims::default(),
+            on_rim: live.on_rim(),
             known: vec![0.0; places],
             live,
         };
@@ -212,6 +215,10 @@ impl<'a> Surface<'a> {
             t3: corners.map(|v| self.overlay.t3[v as usize]),
             corners: corners.map(|v| self.position(v)),
             sense: i32::from(self.sense(corners)),
+            rims: [6, 5, 3].into_iter().zip(0..).fold(0, |rims, (ends, i)| {
+                let is_end = |k: usize| ends & (1 << k) == 0 || self.on_rim[corners[k] as usize];
+                rims | (u8::from((0..3).all(is_end)) << i)
+            }),
         }
     }
 

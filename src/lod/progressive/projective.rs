@@ -8,6 +8,7 @@
 
 use super::near::Near;
 use super::overlay::{Asked, Largest, Overlay, Squares};
+use super::refine::{Corner, Known, Piece, Refine};
 use crate::param::projection::Line;
 use glam::DVec3;
 
@@ -24,15 +25,6 @@ pub(super) struct Shares {
 pub(super) struct Sides {
     pub(super) beyond: u8,
     pub(super) beside: u8,
-}
-
-/// A corner of a cell that is cut.
-#[derive(Clone, Copy, Debug, Default)]
-struct Corner {
-    /// Its homogeneous coordinates in the simplified triangle.
-    h: DVec3,
-    /// The reference's point.
-    p: DVec3,
 }
 
 /// The corners of a cell, in order: a triangle cut by three lines has six at most.
@@ -57,6 +49,12 @@ pub(super) struct Sweep {
     h: Vec<DVec3>,
     sides: Vec<Sides>,
     inside: Vec<Met>,
+    room: Room,
+}
+
+/// Room for cells that are cut.
+#[derive(Debug, Default)]
+struct Room {
     cells: [Cell; 2],
     met: [Met; 9],
 }
@@ -128,14 +126,9 @@ impl View {
         self.met(from.h.lerp(to.h, s), from.p.lerp(to.p, s))
     }
 
-    /// What the cell of a triangle adds that lies in part beyond edge `I`, and beyond no other: most are. Its corners that lie
+    /// What is known of the cell of a triangle that lies in part beyond edge `I`, and beyond no other: most are. Its corners that lie
     /// inside are `known`.
-    fn add_cut_once<const I: usize>(
-        &self,
-        corners: &[Corner; 3],
-        known: [&Met; 3],
-        largest: &mut Largest,
-    ) {
+    fn cut_once<const I: usize>(&self, corners: &Piece, known: [&Met; 3]) -> Known {
         let beyond = corners.each_ref().map(|corner| corner.h[I] < 0.0);
         let both = usize::from(beyond[0]) + usize::from(beyond[1]) + usize::from(beyond[2]) == 1;
         // The corner that is alone on its side of the edge.
@@ -146,22 +139,24 @@ impl View {
         match both {
             true => {
                 let corners = [&ahead, known[next], known[before], &behind];
-                self.add(corners.into_iter(), largest);
+                self.known(corners.into_iter())
             }
-            false => self.add([known[k], &ahead, &behind].into_iter(), largest),
+            false => self.known([known[k], &ahead, &behind].into_iter()),
         }
     }
 
-    /// What a cell adds.
+    /// What is known of a cell.
     #[inline]
-    fn add<'m>(&self, corners: impl Iterator<Item = &'m Met> + Clone, largest: &mut Largest) {
+    fn known<'m>(&self, corners: impl Iterator<Item = &'m Met> + Clone) -> Known {
         let mut squares = Squares::default();
-        corners.clone().for_each(|c| squares.raise(&c.squares));
+        for corner in corners.clone() {
+            squares.raise(&corner.squares);
+        }
         let more = match self.line {
             Line::Sphere => more_between(corners),
             _ => 0.0,
         };
-        largest.join(&squares, more);
+        (squares, more)
     }
 }
 
@@ -173,6 +168,7 @@ impl Sweep {
         (overlay, near): (&Overlay<'_>, &Near),
         (asked, normal): (&Asked, DVec3),
         limit: f64,
+        refine: &mut Refine,
         covers: &mut Vec<u32>,
     ) -> Option<Largest> {
         let view = View {
@@ -182,31 +178,42 @@ impl Sweep {
             line: overlay.line,
         };
         self.place(&view, overlay, near);
-        let mut largest = Largest::default();
         for (&t, &corners) in near.triangles.iter().zip(&near.corners) {
             let [a, b, c] = corners.map(|v| self.sides[v as usize]);
             // Beside one of the edges with all corners: nothing is shared.
             let beside = a.beside & b.beside & c.beside;
-            if beside != 0 || !overlay.faces(t, asked) {
+            if !overlay.faces(t, asked) {
                 continue;
             }
-            let beyond = a.beyond | b.beyond | c.beyond;
-            let met = match beyond {
-                0 => {
-                    let met = corners.map(|v| &self.inside[v as usize]);
-                    view.add(met.into_iter(), &mut largest);
-                    true
+            if beside != 0 {
+                if a.beyond & b.beyond & c.beyond & asked.rims != 0 {
+                    covers.push(t);
                 }
-                _ => self.add_cut((overlay, near), &view, (corners, beyond), &mut largest),
+                continue;
+            }
+            let (h, inside) = (&self.h, &self.inside);
+            let corner = |v: u32| Corner {
+                h: h[v as usize],
+                p: overlay.positions[near.vertices[v as usize] as usize],
             };
-            if met {
+            let piece = || [corner(corners[0]), corner(corners[1]), corner(corners[2])];
+            let met = corners.map(|v| &inside[v as usize]);
+            let known = match a.beyond | b.beyond | c.beyond {
+                0 => Some(view.known(met.into_iter())),
+                1 => Some(view.cut_once::<0>(&piece(), met)),
+                2 => Some(view.cut_once::<1>(&piece(), met)),
+                4 => Some(view.cut_once::<2>(&piece(), met)),
+                beyond => self.room.cut(&view, &piece(), beyond),
+            };
+            if let Some(known) = known {
+                refine.take(known, piece);
                 covers.push(t);
-                if largest.total > limit {
-                    break;
+                if refine.farthest() > limit {
+                    return Some(refine.attained());
                 }
             }
         }
-        Some(largest)
+        Some(refine.finish(|piece| self.room.part(&view, piece)))
     }
 
     fn place(&mut self, view: &View, overlay: &Overlay<'_>, near: &Near) {
@@ -223,33 +230,23 @@ impl Sweep {
             self.sides.push(sides);
         }
     }
+}
 
-    /// Adds the cell of a triangle that lies in part beyond the edges of `beyond`; whether there is one.
-    fn add_cut(
-        &mut self,
-        (overlay, near): (&Overlay<'_>, &Near),
-        view: &View,
-        (corners, beyond): ([u32; 3], u8),
-        largest: &mut Largest,
-    ) -> bool {
-        let corner = |v: u32| Corner {
-            h: self.h[v as usize],
-            p: overlay.positions[near.vertices[v as usize] as usize],
-        };
-        let [a, b, c] = corners;
-        let corners_of = [corner(a), corner(b), corner(c)];
-        if beyond.is_power_of_two() {
-            let known = corners.map(|v| &self.inside[v as usize]);
-            match beyond {
-                1 => view.add_cut_once::<0>(&corners_of, known, largest),
-                2 => view.add_cut_once::<1>(&corners_of, known, largest),
-                _ => view.add_cut_once::<2>(&corners_of, known, largest),
-            }
-            return true;
+impl Room {
+    /// What is known of the cell of a part of a triangle, if it has one.
+    fn part(&mut self, view: &View, piece: &Piece) -> Option<Known> {
+        let [a, b, c] = piece.each_ref().map(|corner| Sides::of(corner.h));
+        match a.beside & b.beside & c.beside {
+            0 => self.cut(view, piece, a.beyond | b.beyond | c.beyond),
+            _ => None,
         }
+    }
+
+    /// What is known of the cell of a triangle that lies in part beyond the edges of `beyond`, if it has one.
+    fn cut(&mut self, view: &View, piece: &Piece, beyond: u8) -> Option<Known> {
         let [mut cell, mut other] = self.cells.each_mut();
         cell.count = 3;
-        cell.corners[..3].copy_from_slice(&corners_of);
+        cell.corners[..3].copy_from_slice(piece);
         if beyond & 1 != 0 {
             cell.cut::<0>(other);
             std::mem::swap(&mut cell, &mut other);
@@ -266,10 +263,7 @@ impl Sweep {
         for (met, corner) in met.iter_mut().zip(&cell.corners) {
             *met = view.met(corner.h, corner.p);
         }
-        if !met.is_empty() {
-            view.add(met.iter(), largest);
-        }
-        !met.is_empty()
+        (!met.is_empty()).then(|| view.known(met.iter()))
     }
 }
 

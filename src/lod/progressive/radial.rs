@@ -9,6 +9,7 @@
 
 use super::overlay::Asked;
 use glam::DVec3;
+use smallvec::SmallVec;
 
 /// A corner of a cell.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +25,7 @@ pub(super) struct Corner {
 /// What two triangles' images share: its corners, in no order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cell {
-    pub(super) corners: Vec<Corner>,
+    pub(super) corners: SmallVec<[Corner; 12]>,
 }
 
 impl Cell {

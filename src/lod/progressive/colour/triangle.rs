@@ -56,6 +56,7 @@ impl Against<'_> {
                     t3,
                     corners,
                     sense: own,
+                    rims: 0,
                 };
                 self.over_cylinder(&asked, plane.as_ref(), same_side, &mut searches)
             }
