@@ -103,3 +103,48 @@ fn what_a_model_does_not_know_is_refused() {
         run.stderr
     );
 }
+
+#[test]
+fn a_flight_writes_pictures_and_a_page() {
+    let (folder, built) = built(&["--mrm=geometry"]);
+    let out = folder.at("flight");
+    let fly = |file: &str, more: &[&str]| {
+        let arguments = [
+            "fly", file, "-o", &out, "--frames", "5", "--size", "64", "--device", "cpu", "--json",
+        ];
+        invertex(&[&arguments, more].concat())
+    };
+    let json = fly(&built, &[]).ok().json();
+    let frames = json["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 5);
+    for frame in frames {
+        let path = frame["path"].as_str().unwrap();
+        for file in [
+            path.to_owned(),
+            path.replace(".png", "_cut.png"),
+            path.replace(".png", "_displaced.png"),
+        ] {
+            assert!(std::fs::metadata(&file).unwrap().len() > 100, "{file}");
+        }
+        // Within the limit, but for corners' rounding.
+        assert!(
+            frame["displaced"]["p99"].as_f64().unwrap() < 0.55,
+            "{frame}"
+        );
+        assert!(frame["displaced"]["pixels"].as_u64().unwrap() > 0);
+    }
+    let count = |k: usize| frames[k]["triangles"].as_u64().unwrap();
+    assert!(count(4) > count(0));
+    let page = std::fs::read_to_string(json["page"].as_str().unwrap()).unwrap();
+    assert!(page.contains("<svg") && page.contains("Displacement on the screen"));
+    for (wrong, word) in [
+        (["--lod", "3"], "--lod"),
+        (["--hysteresis", "0"], "--hysteresis"),
+        (["--turns", "inf"], "--turns"),
+        (["--lod", "pixels:1,colour:1"], "colour"),
+    ] {
+        fly(&built, &wrong).fails(2, &[word]);
+    }
+    let plain = folder.write("plain.glb", &ball());
+    fly(&plain, &[]).fails(3, &["--mrm"]);
+}

@@ -14,6 +14,9 @@ use super::report::{self, MeshReport};
 use super::settings::{BuildSettings, Processor, Progress, check, hash_for};
 use super::work::Work;
 use super::{Built, BuiltMesh};
+#[cfg(feature = "gpu")]
+use crate::Error;
+use crate::Result;
 use crate::igt::{self, Ambiguous, Asking, BuildOptions, Needs, Reference, Tables};
 use crate::lod::Lod;
 use crate::lod::deviation::{Deviation, deviation};
@@ -21,7 +24,6 @@ use crate::lod::multiresolution::Hierarchy;
 use crate::mesh::Mesh;
 use crate::param::{self, Chosen, Parts, Primary, Quality, Weighed};
 use crate::scene::Scene;
-use crate::{Error, Result};
 use rayon::prelude::*;
 
 /// A built model and what was found on the way.
@@ -224,6 +226,7 @@ fn deviations(mesh: &Mesh, lods: &[Lod]) -> Vec<Deviation> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Error;
     use crate::param::PrimaryRequest;
 
     struct Stop;

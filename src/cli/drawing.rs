@@ -307,6 +307,9 @@ impl std::str::FromStr for Background {
     }
 }
 
+/// Dark, as pages and heat maps are.
+pub(super) const GROUND: Background = Background([24, 25, 28]);
+
 impl Background {
     /// Lays `image` over the colour: every pixel becomes opaque.
     pub(super) fn under(self, image: &mut Rendered) {

@@ -21,6 +21,8 @@ mod demo_report;
 mod device;
 mod doctor;
 mod drawing;
+mod fly;
+mod fly_report;
 mod inspect;
 mod lod_choice;
 mod manual;
@@ -98,6 +100,8 @@ enum Verb {
     Assess(assess::Assess),
     /// Say where fetches and time go: counts, times, memory, sweeps, heat maps.
     Profile(profile::Profile),
+    /// Fly round a model, and see which triangles are drawn.
+    Fly(fly::Fly),
     /// Compare two pictures, or two folders of pictures by name.
     Compare(compare::Compare),
     /// Do all of it on the bundled model, ending with an HTML report.
@@ -117,6 +121,7 @@ Examples:
   invertex bake scan.glb low.glb -o textures/ --attributes normal   a detailed model's normals as a texture of a simple one
   invertex assess scan.glb low.glb                             which of the ways there is best
   invertex profile built.glb                                   where fetches and time go
+  invertex fly mrm.glb -o flight/                              cuts of a multiresolution model on the way
   invertex demo report/                                        everything on the bundled model, as an HTML report
 
 `invertex VERB --help` ends with examples of each verb.";
@@ -164,6 +169,7 @@ fn run(command: &Command) -> Result<()> {
         Verb::Bake(verb) => verb.run(common),
         Verb::Assess(verb) => verb.run(common),
         Verb::Profile(verb) => verb.run(common),
+        Verb::Fly(verb) => verb.run(common),
         Verb::Compare(verb) => verb.run(common),
         Verb::Demo(verb) => verb.run(common),
         Verb::Completions(verb) => verb.run(),

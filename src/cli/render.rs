@@ -32,7 +32,7 @@ const NO_FILTER: &str =
 A camera file: {\"width\": W, \"height\": H, \"views\": [{\"name\": \"front.png\", \"view\": [[4x4, row-major, world to
 camera, which looks down -Z, +Y up]], \"projection_vulkan\": [[4x4, clip z 0..1, y down]]}, ..]}
 
-JSON: device, animation (its name), attribute, images[]: path, time (seconds into the animation), width, height, lod, cut {pixels, colour, asked, selection_ms} (with a multiresolution model), leaving {lod, share} (while --blend goes on), triangles,
+JSON: device, animation (its name), attribute, images[]: path, time (seconds into the animation), width, height, lod, cut {pixels, colour, asked, changed, selection_ms} (with a multiresolution model), leaving {lod, share} (while --blend goes on), triangles,
 covered_pixels, mean_fetches, prefiltered_pixels (with --shader-lod: shown without a lookup), sha256 (of the file), passes[] (nanoseconds of each); warnings[].
 
 EXR layers with --aov: triangle.id (of the reference, in its own mesh; -1 outside), barycentric.x .y .z, fetches.count,

@@ -36,9 +36,11 @@ pub(super) struct CutReport {
     /// Its limit in colour.
     pub(super) colour: Option<f64>,
     /// Collapses and blocks of them that were asked.
-    asked: usize,
+    pub(super) asked: usize,
+    /// Triangles that the cut before did not have.
+    pub(super) changed: usize,
     /// Milliseconds of the selection.
-    selection_ms: f64,
+    pub(super) selection_ms: f64,
 }
 
 /// The model made ready at each level that is asked for, and the moment that it is posed at.
@@ -173,9 +175,18 @@ impl<'a> Stages<'a> {
                 pixels: limits.pixels,
                 colour: limits.colour,
                 asked: cuts.asked,
+                changed: cuts.changed,
                 selection_ms: cuts.milliseconds,
             }),
         }))
+    }
+
+    /// Draws the last cut once more, in another way.
+    pub(super) fn again(&self, camera: &Camera, options: &Options) -> Result<Rendered> {
+        match &self.of_cuts {
+            Some(renderer) => renderer.draw(camera, options),
+            None => Err(bad_option("--lod", "nothing was cut yet")),
+        }
     }
 
     /// Draws `level` at a moment of the animation.

@@ -3,6 +3,7 @@
 //! In: finished pictures, samples of time, or (the profile) a built model. Out: plain serialisable figures.
 
 mod compare;
+mod displaced;
 mod fetches;
 mod flip;
 mod folder;
@@ -18,6 +19,7 @@ mod timing;
 mod trace;
 
 pub use compare::{Comparison, Region, compare, difference_image};
+pub use displaced::displaced;
 pub use fetches::{FetchCounts, fetches_of_uv};
 pub use folder::{FolderComparison, PairComparison, compare_folders};
 pub use memory::{MemoryRow, memory};

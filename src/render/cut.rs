@@ -33,6 +33,8 @@ struct Cutting<'a> {
     /// Whether its back sides are seen: it has a rim, or a material has two sides.
     double_sided: bool,
     memory: Memory,
+    /// The triangles of the last cut.
+    last: Vec<u32>,
 }
 
 /// The cuts of all meshes for a camera.
@@ -44,6 +46,8 @@ pub struct Cuts {
     pub triangles: usize,
     /// Collapses and blocks of them that were asked.
     pub asked: usize,
+    /// Triangles that the cuts before did not have.
+    pub changed: usize,
     /// Milliseconds that the selection took, on all cores; without the making of levels.
     pub milliseconds: f64,
 }
@@ -65,6 +69,7 @@ impl<'a> Cutter<'a> {
                 parts: parts(mesh, &of_mesh.tables.primary),
                 double_sided: is_seen_from_behind(mesh, &built.scene),
                 memory: Memory::default(),
+                last: Vec::new(),
             })
         };
         Some(Cutter {
@@ -112,10 +117,23 @@ impl<'a> Cutter<'a> {
             let (cutting, cut) = cutting.as_ref().zip(cut.as_ref())?;
             Some(cutting.hierarchy.lod(&cutting.input(), cut))
         });
+        let lods = lods.collect();
+        let kept = self.meshes.iter_mut().zip(cuts).map(|(cutting, cut)| {
+            let (cutting, cut) = cutting.as_mut().zip(cut)?;
+            let new = cut
+                .faces
+                .iter()
+                .filter(|f| cutting.last.binary_search(f).is_err())
+                .count();
+            cutting.last = cut.faces;
+            Some(new)
+        });
+        let changed = kept.flatten().sum();
         Ok(Cuts {
-            lods: lods.collect(),
+            lods,
             triangles,
             asked,
+            changed,
             milliseconds,
         })
     }
