@@ -15,6 +15,7 @@
 //! they lie, without reading the rest ([`open_tables`]).
 
 mod build;
+mod colours;
 mod decode;
 mod decode_lod;
 mod embedding;
@@ -32,6 +33,7 @@ mod tables;
 mod work;
 
 pub use build::{BuildOutcome, build};
+pub use colours::colours_of;
 pub use decode::{is_built, read};
 pub use encode::to_bytes;
 pub use extension::EXTENSION;

@@ -25,6 +25,7 @@ mod volume;
 
 pub use from_scene::{attributes_of, attributes_showing};
 pub use material::{Alpha, Material, Slot, SlotBinding};
+pub(crate) use mips::append_chain;
 pub use named::{Attribute, Factor, MOST_FACTORS, VertexAttribute};
 pub use occlusion::OcclusionOptions;
 pub use prefiltered::{Prefiltered, Scope};

@@ -1,15 +1,19 @@
 //! Models, pictures and samples for the tests of colour deviations: everything found another way than by what is tested.
+#![allow(dead_code, reason = "each test file uses a part")]
 
-use glam::DVec3;
-use invertex::igt::{Asker, BuildOptions, Layout, Needs, Reference, Tables, build_cpu};
+use glam::{DMat3, DVec3};
+use invertex::igt::{Ambiguous, Asker, BuildOptions, Layout, Needs, Reference, Tables, build_cpu};
 use invertex::lod::LodInput;
 use invertex::lod::progressive::colour::{Colours, Picture, Shade, Wrap};
 use invertex::lod::progressive::{Made, Progressive};
-use invertex::mesh::{Mesh, shapes};
+use invertex::mesh::{Mesh, Weld, components, shapes};
+use invertex::param::projection::Line;
 use invertex::param::{Parts, Primary, PrimaryKind, PrimaryRequest, parameterize, parts};
 use std::borrow::Cow;
+use std::collections::HashSet;
 
-pub(crate) mod sampled;
+pub(crate) mod found;
+mod sampled;
 
 /// A mesh and what answers for it.
 pub(crate) struct Model {
@@ -17,6 +21,10 @@ pub(crate) struct Model {
     primary: Primary,
     parts: Parts,
     tables: Tables,
+    /// For each triangle the piece of the surface in T3 that it is part of.
+    piece: Vec<u32>,
+    /// Triangles behind which others lie.
+    ambiguous: HashSet<u32>,
 }
 
 impl Model {
@@ -32,20 +40,24 @@ impl Model {
         Model::with(mesh, chosen.primary)
     }
 
-    fn with(mesh: Mesh, primary: Primary) -> Self {
+    /// A mesh, cut open where its primary asks for it.
+    pub(crate) fn with(mesh: Mesh, primary: Primary) -> Self {
         let parts = parts(&mesh, &primary);
         let reference =
             Reference::new(&mesh, &primary, &parts.triangle_layer, Layout::Packed).unwrap();
         let options = BuildOptions {
-            hash: 128,
+            hash: invertex::asset::hash_for(mesh.triangles.len()).max(128),
             layout: Layout::Packed,
         };
         let tables = build_cpu(&reference, &Needs::default(), options).unwrap();
+        let ambiguous = Ambiguous::of(&mesh, &primary, &parts.triangle_layer).unwrap();
         Model {
+            piece: pieces(&mesh, &primary),
             mesh,
             primary,
             parts,
             tables,
+            ambiguous: ambiguous.triangles.into_iter().collect(),
         }
     }
 
@@ -66,6 +78,26 @@ impl Model {
         DVec3::from(self.mesh.positions[v as usize].map(f64::from))
     }
 
+    /// Barycentric coordinates in triangle `t` of a point of a simplified triangle's plane, those below zero taken as zero; none
+    /// along a cylinder's lines.
+    fn clamped(&self, made: &Made, b: [f64; 3], t: u32) -> Option<[f64; 3]> {
+        let grid = |v: u32| {
+            let t3 = self.primary.t3_of(&self.mesh, v as usize);
+            let p = DVec3::from(self.primary.to_grid(t3).map(f64::from));
+            match self.primary.line() {
+                Line::Parallel => Some(p.with_z(1.0)),
+                Line::Sphere => Some(p),
+                Line::Cylinder => None,
+            }
+        };
+        let [x, y, z] = made.corners.map(grid);
+        let point = x? * b[0] + y? * b[1] + z? * b[2];
+        let [x, y, z] = self.mesh.triangles[t as usize].map(grid);
+        let shares = DMat3::from_cols(x?, y?, z?).inverse() * point;
+        let shares = shares.max(DVec3::ZERO);
+        Some((shares / shares.element_sum()).to_array())
+    }
+
     /// The reference's triangle and barycentric coordinates at a point of a simplified triangle, or of its plane.
     fn shown(&self, made: &Made, b: [f64; 3]) -> Option<(u32, [f64; 3])> {
         let corners = made.corners.map(|v| {
@@ -79,10 +111,17 @@ impl Model {
             ..Asker::of(self.primary.line(), &corners, Some(made.layer))
         };
         let found = self.tables.lookup(query, asker, false)?;
-        found
-            .hit
-            .then(|| (found.triangle, found.barycentric.map(f64::from)))
+        let single = found.hit && !self.ambiguous.contains(&found.triangle);
+        single.then(|| (found.triangle, found.barycentric.map(f64::from)))
     }
+}
+
+/// Triangles that hang together in space and in T3.
+fn pieces(mesh: &Mesh, primary: &Primary) -> Vec<u32> {
+    let place = Weld::by_position(&mesh.positions).of;
+    let key = |v: usize| (place[v], primary.t3_of(mesh, v).map(f64::to_bits));
+    let weld = Weld::by_key((0..mesh.positions.len()).map(key));
+    components(&weld.triangles(&mesh.triangles), mesh.positions.len()).of
 }
 
 /// A picture in the making.

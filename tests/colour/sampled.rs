@@ -61,6 +61,9 @@ pub(crate) fn largest(
     seen
 }
 
+/// Points of a way that are looked at.
+const STEPS: u32 = 8;
+
 struct Sampling<'a> {
     model: &'a Model,
     colours: &'a Colours<'a>,
@@ -72,8 +75,8 @@ struct Sampling<'a> {
 
 impl Sampling<'_> {
     /// The deviations at a point of the triangle; none where the reference has no such point, or none at its foot.
-    fn at(&self, b: [f64; 3]) -> Option<Vec<f64>> {
-        let (t, own) = self.model.shown(self.made, b)?;
+    fn at(&self, at: [f64; 3]) -> Option<Vec<f64>> {
+        let (t, own) = self.model.shown(self.made, at)?;
         let corners = self.model.mesh.triangles[t as usize].map(|v| self.model.position(v));
         let p = corners[0] * own[0] + corners[1] * own[1] + corners[2] * own[2];
         let [a, b, c] = self.corners;
@@ -82,13 +85,35 @@ impl Sampling<'_> {
             normal.dot((to - from).cross(p - from)) / normal.length_squared()
         };
         let foot = [share(b, c), share(c, a), share(a, b)];
-        let (other, shares) = self.model.shown(self.made, foot)?;
+        let (other, shares) = self.walked(t, at, foot)?;
         let at = |k: usize| {
             let mip = self.mip(t, k);
             let mine = self.colour(t, own, mip);
             (mine - self.colour(other, shares, mip)).length()
         };
         Some((0..self.deviations.levels).map(at).collect())
+    }
+
+    /// What is shown at the end of the straight way between two points of the plane, or what counts where the way leaves the
+    /// surface.
+    fn walked(&self, t: u32, from: [f64; 3], to: [f64; 3]) -> Option<(u32, [f64; 3])> {
+        let at = |s: f64| {
+            let b = [0, 1, 2].map(|k| from[k] + (to[k] - from[k]) * s);
+            let found = self.model.shown(self.made, b)?;
+            let piece = |t: u32| self.model.piece[t as usize];
+            (piece(found.0) == piece(t)).then_some(found)
+        };
+        let steps = (1..=STEPS).map(|k| f64::from(k) / f64::from(STEPS));
+        let Some(outside) = steps.clone().find(|&s| at(s).is_none()) else {
+            return at(1.0);
+        };
+        let mut ends = [outside - 1.0 / f64::from(STEPS), outside];
+        for _ in 0..24 {
+            let middle = 0.5 * (ends[0] + ends[1]);
+            ends[usize::from(at(middle).is_none())] = middle;
+        }
+        let (last, _) = at(ends[0])?;
+        Some((last, self.model.clamped(self.made, to, last)?))
     }
 
     /// The mip in use on a triangle.

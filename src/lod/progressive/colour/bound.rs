@@ -54,6 +54,15 @@ impl Search {
         }
     }
 
+    /// A search of its own, for which what this one found is enough.
+    pub(super) fn afresh(&self) -> Search {
+        Search {
+            upper: 0.0,
+            left: PATIENCE / 16,
+            ..*self
+        }
+    }
+
     /// Bounds up to this are good enough.
     pub(super) fn enough(&self) -> f32 {
         (self.lower * SLACK).max(self.floor)
@@ -73,25 +82,39 @@ impl Search {
 
     /// Takes all points of a polygon into account.
     pub(super) fn look_at(&mut self, sides: [Side<'_>; 2], polygon: Pair) {
-        let mut waiting = vec![polygon];
-        while let Some(polygon) = waiting.pop() {
-            if polygon.is_empty() {
-                continue;
+        let (mut polygon, mut waiting) = (polygon, Vec::new());
+        loop {
+            let next = match self.halves(sides, &polygon) {
+                Some([first, second]) => {
+                    waiting.push(second);
+                    Some(first)
+                }
+                None => waiting.pop(),
+            };
+            match next {
+                Some(next) => polygon = next,
+                None => return,
             }
-            let found = look(sides, &polygon);
-            self.reach(found.lower);
-            if found.upper <= self.enough() || self.left == 0 {
-                self.settle(found.upper);
-                continue;
-            }
-            self.left -= 1;
-            let (k, at) = found.cut;
-            let halves = polygon.halves(|c| match k {
-                0 | 1 => c[k] - at,
-                _ => c[k] - at * c[4],
-            });
-            waiting.extend(halves);
         }
+    }
+
+    /// Settles a polygon, or cuts it.
+    fn halves(&mut self, sides: [Side<'_>; 2], polygon: &Pair) -> Option<[Pair; 2]> {
+        if polygon.is_empty() {
+            return None;
+        }
+        let found = look(sides, polygon);
+        self.reach(found.lower);
+        if found.upper <= self.enough() || self.left == 0 {
+            self.settle(found.upper);
+            return None;
+        }
+        self.left -= 1;
+        let (k, at) = found.cut;
+        Some(polygon.halves(|c| match k {
+            0 | 1 => c[k] - at,
+            _ => c[k] - at * c[4],
+        }))
     }
 }
 
@@ -138,8 +161,7 @@ impl Box5 {
 
 fn look(sides: [Side<'_>; 2], polygon: &Pair) -> Found {
     let reach = Box5::new(polygon);
-    let is_ahead = reach.weight[0] > 0.0;
-    if !is_ahead {
+    if reach.weight[0] <= 0.0 {
         // A corner at infinity, by rounding.
         return Found {
             upper: f32::INFINITY,

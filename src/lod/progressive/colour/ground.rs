@@ -5,6 +5,7 @@
 //! linear function ([`Rows`]), whatever the lines, but for a cylinder's.
 
 use super::super::overlay::Overlay;
+use super::beyond::clamped;
 use crate::lod::LodInput;
 use crate::mesh::{Adjacency, NONE};
 use crate::param::fit_surface::weld;
@@ -37,12 +38,12 @@ pub(super) struct Plane {
 pub(super) struct Rows(pub(super) [DVec3; 3]);
 
 /// Where a walk over the reference ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Walk {
     /// In this triangle.
     Arrived(u32),
-    /// On the rim: the triangle, and barycentric coordinates of the point where the way leaves it.
-    Left(u32, [f64; 3]),
+    /// At the rim of this triangle, in which what counts has these barycentric coordinates.
+    Left(u32, DVec3),
 }
 
 /// Steps after which a walk has lost its way among slivers.
@@ -112,28 +113,16 @@ impl<'a> Ground<'a> {
             let first = (0..3)
                 .filter_map(crossing)
                 .min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((s, j)) = first else {
+            let Some((_, j)) = first else {
                 return Walk::Arrived(at);
             };
             let next = self.opposite(at, j);
             if next == NONE {
-                return Walk::Left(at, on_rim(begin.lerp(end, s.clamp(0.0, 1.0)), j));
+                return Walk::Left(at, clamped(end));
             }
             (before, at) = (at, next);
         }
         Walk::Arrived(at)
-    }
-}
-
-/// A point of the edge opposite of corner `j`.
-fn on_rim(shares: DVec3, j: usize) -> [f64; 3] {
-    let mut shares = shares.max(DVec3::ZERO).to_array();
-    shares[j] = 0.0;
-    let sum: f64 = shares.iter().sum();
-    if sum > 0.0 {
-        shares.map(|s| s / sum)
-    } else {
-        std::array::from_fn(|k| if k == j { 0.0 } else { 0.5 })
     }
 }
 
@@ -155,7 +144,9 @@ impl Plane {
                     inverse.z_axis,
                 )
             }
-            _ => (
+            // Not linear: see `round`.
+            Line::Cylinder => (DMat3::IDENTITY, DVec3::ZERO),
+            Line::Sphere => (
                 DMat3::from_cols_array_2d(&t3.map(|p| p.to_array())).inverse(),
                 DVec3::ZERO,
             ),

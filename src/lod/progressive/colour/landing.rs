@@ -6,6 +6,7 @@
 
 use super::ground::{Ground, Plane, Rows, Walk};
 use super::palette::Palette;
+use super::piece::Piece;
 use super::polygon::Polygon;
 use crate::mesh::NONE;
 use glam::{DVec2, DVec3};
@@ -29,14 +30,6 @@ pub(super) struct Linear<T> {
     pub(super) along: [T; 2],
 }
 
-/// The part of a cell whose feet are shown by one triangle.
-pub(super) struct Piece {
-    pub(super) shown: u32,
-    pub(super) polygon: Polygon<2>,
-    /// Homogeneous coordinates of the feet in what that triangle shows.
-    pub(super) coordinates: Linear<DVec3>,
-}
-
 /// A piece may be short of its cell by this share, by rounding.
 const ROUNDING: f64 = 1e-6;
 
@@ -50,6 +43,20 @@ impl Linear<DVec3> {
 
     pub(super) fn of(&self, r: &[f64; 2]) -> DVec3 {
         self.at + self.along[0] * r[0] + self.along[1] * r[1]
+    }
+}
+
+impl Linear<DVec3> {
+    /// The same homogeneous coordinates, of a weight that is one at a point.
+    pub(super) fn of_weight_one(self, r: &[f64; 2]) -> Self {
+        let weight = self.of(r).z;
+        if weight <= 0.0 {
+            return self;
+        }
+        Linear {
+            at: self.at / weight,
+            along: self.along.map(|c| c / weight),
+        }
     }
 }
 
@@ -177,17 +184,11 @@ impl Cell {
         }
         let corners = palette.coordinates(t).map(|c| c.extend(1.0));
         let blend = |s: DVec3| corners[0] * s.x + corners[1] * s.y + corners[2] * s.z;
-        let mut coordinates = Linear::<DVec3>::through(shares.map(blend));
-        // Weights of about one.
-        let weight = coordinates.of(&polygon.middle()).z;
-        if weight > 0.0 {
-            coordinates.at /= weight;
-            coordinates.along = coordinates.along.map(|c| c / weight);
-        }
+        let coordinates = Linear::<DVec3>::through(shares.map(blend));
         Piece {
             shown: t,
+            coordinates: coordinates.of_weight_one(&polygon.middle()),
             polygon,
-            coordinates,
         }
     }
 }

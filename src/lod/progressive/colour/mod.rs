@@ -5,12 +5,13 @@
 //!
 //! A simplified triangle shows at its point Q the colour of the reference's point P. Seen along the triangle's normal, P's colour
 //! belongs where P's foot on the triangle's plane is. What is shown there is some other point's: the plane is extended, the way
-//! there walked over the reference, and where that ends before, the colour of its rim counts. The distance of the two colours is the
-//! *tangential* deviation at P; no point of the triangle has a larger one than is said. Of what the normal part does, only the
+//! there walked over the reference, and where that ends before, the nearest place of the last triangle counts (`beyond.rs` says
+//! which). The distance of the two colours is the *tangential* deviation at P; no point of the triangle has a larger one than is
+//! said. Of what the normal part does, only the
 //! *product* of its length with the steepest colour near is known before there is a view.
 //!
 //! ```text
-//! colours --palette--> mips as fields, with pyramids       history --replay--> triangles, and what they stand for
+//! colours --palette--> mips as fields, with pyramids       history --covers--> triangles, and what they stand for
 //!                                  \--landing--> pieces, where both places vary linearly <--/
 //!                                               --bound--> largest distance of colours
 //! ```
@@ -20,14 +21,17 @@
 //!
 //! Source: Schilling and Klein, Texture-dependent refinement of multiresolution meshes, section 4.
 
+mod beyond;
 mod bound;
+mod covers;
 mod field;
 mod ground;
 mod landing;
 mod palette;
+mod passed;
+mod piece;
 mod polygon;
-mod reach;
-mod replay;
+mod round;
 mod space;
 mod steep;
 mod triangle;
@@ -146,6 +150,13 @@ impl ColourDeviations {
         }
     }
 
+    /// For each of [`Progressive::triangles`], for each level: tangential deviation and product.
+    pub fn table(&self) -> Vec<[f32; 2]> {
+        let reference = vec![[0.0; 2]; self.first * self.levels];
+        let made = self.of.iter().map(|d| [d.tangential, d.product]);
+        reference.into_iter().chain(made).collect()
+    }
+
     /// The level at which a pixel's footprint on the surface is `footprint` object units.
     pub fn level_of(&self, footprint: f32) -> usize {
         let level = (footprint / self.footprint).log2().floor();
@@ -179,7 +190,7 @@ pub fn colour_deviations(
     let made = history.triangles.len() - first;
     let mut of = vec![ColourDeviation::default(); made * levels];
     let (mut known, mut met) = (0, 0);
-    replay::replay(history, &against, |t, measured| {
+    covers::replay(history, &against, |t, measured| {
         let own = &mut of[(t - first) * levels..][..levels];
         for (k, own) in own.iter_mut().enumerate() {
             *own = ColourDeviation {

@@ -145,6 +145,17 @@ impl Palette {
         }
     }
 
+    /// How different the colours at two places are, each in what a triangle shows; the first decides the mip.
+    pub(super) fn difference(
+        &self,
+        (t, here): (u32, DVec2),
+        (other, there): (u32, DVec2),
+        k: usize,
+    ) -> f32 {
+        let own = self.side(t, t, k).colour(here);
+        (own - self.side(other, t, k).colour(there)).length()
+    }
+
     /// Whether triangle `t` beside `beside` shows at a level what it shows at the next.
     pub(super) fn is_as_next(&self, t: u32, beside: u32, level: usize) -> bool {
         let same = |t: u32| self.mip(t, level) == self.mip(t, level + 1);
@@ -213,6 +224,17 @@ impl<'a> Side<'a> {
         let texels = |c: DVec2| [c.x * size[0] - shift, c.y * size[1] - shift];
         let (low, high) = (texels(low), texels(high));
         self.summary(self.patches(low, high), low, high)
+    }
+
+    /// No way so long, in coordinates, changes the colour by more.
+    pub(super) fn along(&self, way: DVec2) -> f32 {
+        let (slope, size) = match self {
+            Side::Texels(field) if field.nearest => return f32::INFINITY,
+            Side::Texels(field) => (field.whole.slope, field.size.map(|n| n as f64)),
+            Side::Corners(patch) => ([patch.x.length(), patch.y.length()], [1.0; 2]),
+        };
+        let along = |k: usize| way[k] * size[k] * f64::from(slope[k]);
+        (along(0) + along(1)) as f32
     }
 
     /// The colour at a point, in coordinates.

@@ -5,14 +5,15 @@
 
 use super::super::overlay::Asked;
 use super::super::{Deviation, Made, radial};
+use super::beyond;
 use super::bound::Search;
 use super::ground::{Ground, Plane};
-use super::landing::{Cell, Linear, Piece, cell, whole};
-use super::palette::{Palette, Side};
-use super::reach::{Chart, bound};
+use super::landing::{Cell, Linear, cell, whole};
+use super::palette::Palette;
+use super::round::Round;
 use crate::mesh::NONE;
 use crate::param::projection::{Line, nearest, orientation};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 /// What was found.
 #[derive(Clone, Debug, Default)]
@@ -98,79 +99,15 @@ impl Against<'_> {
         for cell in cells {
             let whole = cell.pieces(&self.ground, plane, &self.palette, &mut pieces);
             for piece in &pieces {
-                self.over_piece(cell.triangle, piece, searches);
+                piece.of(&self.palette, cell.triangle).look(searches);
             }
             if !whole {
-                let chart = Chart::Flat(plane);
-                bound(&self.ground, &self.palette, &chart, cell, searches);
+                beyond::bound(&self.ground, &self.palette, plane, cell, searches);
             }
         }
     }
 
-    /// From the coarsest level on: a finer one has deviations at least as large.
-    fn over_piece(&self, t: u32, piece: &Piece, searches: &mut [Search]) {
-        let own = Linear::<DVec2>::through(self.palette.coordinates(t));
-        let repeats = self.palette.shared(t, piece.shown);
-        let mut there = piece.coordinates;
-        // The same copy of a picture that is repeated.
-        if let Some(repeats) = repeats {
-            let middle = piece.polygon.middle();
-            let p = there.of(&middle);
-            let apart = (p.truncate() / p.z - own.of(&middle)).round();
-            for k in (0..2).filter(|&k| repeats[k] && apart[k] != 0.0) {
-                let by = |c: &mut DVec3| c[k] -= apart[k] * c.z;
-                by(&mut there.at);
-                there.along.iter_mut().for_each(by);
-            }
-        }
-        let far = way(piece, &own, &there);
-        for k in (0..searches.len()).rev() {
-            if k + 1 < searches.len() {
-                searches[k].lower = searches[k].lower.max(searches[k + 1].lower);
-            }
-            if self.palette.is_as_next(piece.shown, t, k) {
-                continue;
-            }
-            let sides = [
-                self.palette.side(t, t, k),
-                self.palette.side(piece.shown, t, k),
-            ];
-            self.over_level(sides, piece, (&own, &there), far, &mut searches[k]);
-        }
-    }
-
-    fn over_level(
-        &self,
-        sides: [Side<'_>; 2],
-        piece: &Piece,
-        (own, there): (&Linear<DVec2>, &Linear<DVec3>),
-        far: DVec2,
-        search: &mut Search,
-    ) {
-        if let (Side::Texels(field), true) = (sides[0], sides[0].is_smooth_with(&sides[1])) {
-            let slope = field.whole.slope;
-            let texels = DVec2::new(far.x * field.size[0] as f64, far.y * field.size[1] as f64);
-            let upper = (texels.x * f64::from(slope[0]) + texels.y * f64::from(slope[1])) as f32;
-            if upper <= search.enough() {
-                search.settle(upper);
-                return;
-            }
-        }
-        let [(a, a_shift), (b, b_shift)] = sides.map(|side| side.scale());
-        let polygon = piece.polygon.map(|r| {
-            let (here, p) = (own.of(r), there.of(r));
-            [
-                here.x * a[0] - a_shift,
-                here.y * a[1] - a_shift,
-                p.x * b[0] - p.z * b_shift,
-                p.y * b[1] - p.z * b_shift,
-                p.z,
-            ]
-        });
-        search.look_at(sides, polygon);
-    }
-
-    /// Along a cylinder's lines: cells are whole triangles, which is more than there is.
+    /// Along a cylinder's lines cells have curved sides: whole triangles are looked at, and what is outside is left out.
     fn over_cylinder(
         &self,
         asked: &Asked,
@@ -184,19 +121,25 @@ impl Against<'_> {
             self.unknown(searches);
             return covers;
         };
-        let chart = Chart::round(asked.t3);
+        let round = Round::new(&self.ground, &self.palette, asked);
         for &t in &covers {
-            let feet = self.ground.positions(t).map(|p| plane.foot(p));
-            let cell = Cell {
-                triangle: t,
-                polygon: whole(),
-                far: 0.0,
-                feet: Linear::<DVec3>::through(feet),
-                images: [DVec3::ZERO; 3],
-            };
-            bound(&self.ground, &self.palette, &chart, &cell, searches);
+            round.bound(&self.round_cell(plane, t), searches);
+            for k in (1..searches.len()).rev() {
+                searches[k - 1].reach(searches[k].lower);
+            }
         }
         covers
+    }
+
+    fn round_cell(&self, plane: &Plane, t: u32) -> Cell {
+        let positions = self.ground.positions(t);
+        Cell {
+            triangle: t,
+            polygon: whole(),
+            far: 0.0,
+            feet: Linear::<DVec3>::through(positions.map(|p| plane.foot(p))),
+            images: [DVec3::ZERO; 3],
+        }
     }
 
     /// The normal part times the steepest colour of what the image meets and what lies within reach of it.
@@ -254,22 +197,4 @@ fn not_rising(mut levels: Vec<f32>) -> Vec<f32> {
         levels[k] = levels[k].max(levels[k + 1]);
     }
     levels
-}
-
-/// How far apart a point's two places are in a picture, at most, along either axis.
-fn way(piece: &Piece, own: &Linear<DVec2>, there: &Linear<DVec3>) -> DVec2 {
-    let (mut far, mut weights) = (DVec2::ZERO, [f64::INFINITY, 0f64]);
-    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for r in piece.polygon.corners() {
-        let p = there.of(r);
-        let place = p.truncate() / p.z;
-        far = far.max((place - own.of(r)).abs());
-        (low, high) = (low.min(place), high.max(place));
-        weights = [weights[0].min(p.z), weights[1].max(p.z)];
-    }
-    if weights[0] <= 0.0 {
-        return DVec2::INFINITY;
-    }
-    // What weights move a mean of places: see `bound`.
-    far + (high - low) * (0.25 * (weights[1] / weights[0] - 1.0))
 }
