@@ -198,13 +198,13 @@ fn no_sample_lies_above_the_bound_and_the_bound_is_met() {
             "sheet, soft",
             &sheet,
             position(&sheet.mesh, &soft),
-            [0.95, 0.6],
+            [0.92, 0.6],
         ),
         (
             "sheet, noise",
             &sheet,
             position(&sheet.mesh, &noise),
-            [0.95, 0.6],
+            [0.92, 0.6],
         ),
         (
             "charts, soft",
@@ -221,7 +221,7 @@ fn no_sample_lies_above_the_bound_and_the_bound_is_met() {
             let found = sampled(model, &colours, distance, 8, 2500);
             let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
             // A bound a tenth lower would not hold.
-            let holds = found.above == 0 && found.near > 0;
+            let holds = found.above == 0 && (found.near > 0 || tight == 0.0);
             let near = share(found.met, found.known) >= met
                 && share(found.tight, found.triangles) >= tight;
             if !(holds && near) {

@@ -15,9 +15,12 @@ use super::piece::Piece;
 use super::polygon::Polygon;
 use crate::mesh::NONE;
 use glam::{DVec2, DVec3};
+use std::collections::VecDeque;
 
-/// Parts of a cell that are looked at.
+/// Parts of a cell that are looked at, the largest first.
 const PATIENCE: usize = 512;
+/// Polygons that are looked at for a part at a level.
+const POLYGONS: u32 = 4000;
 /// Triangles that a part's ways may pass.
 const MOST: usize = 4096;
 
@@ -39,9 +42,9 @@ pub(super) fn bound(
         cell,
     };
     let every = (1u32 << searches.len()) - 1;
-    let mut waiting = vec![(cell.polygon, every)];
+    let mut waiting = VecDeque::from([(cell.polygon, every)]);
     let mut looked = 0;
-    while let Some((part, levels)) = waiting.pop() {
+    while let Some((part, levels)) = waiting.pop_front() {
         if part.is_empty() {
             continue;
         }
@@ -178,7 +181,7 @@ impl Beyond<'_> {
 
     /// No deviation of the pieces at a level is larger, as far as it matters.
     fn upper(&self, pieces: &[Piece], level: usize, search: &Search) -> f32 {
-        let mut own = search.afresh();
+        let mut own = search.afresh(POLYGONS);
         for piece in pieces {
             piece
                 .of(self.palette, self.cell.triangle)

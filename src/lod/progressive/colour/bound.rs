@@ -54,11 +54,11 @@ impl Search {
         }
     }
 
-    /// A search of its own, for which what this one found is enough.
-    pub(super) fn afresh(&self) -> Search {
+    /// A search of its own, for which what this one found is enough; it looks at so many polygons.
+    pub(super) fn afresh(&self, left: u32) -> Search {
         Search {
             upper: 0.0,
-            left: PATIENCE / 16,
+            left,
             ..*self
         }
     }

@@ -14,9 +14,13 @@ use super::piece::Ready;
 use super::polygon::Polygon;
 use crate::mesh::NONE;
 use glam::{DVec2, DVec3};
+use std::collections::VecDeque;
 
-/// Parts of a cell that are looked at.
-const PATIENCE: usize = 96;
+/// Parts of a cell that are looked at, the largest first: few, since each is laid over the reference anew. Bounds hold, and
+/// are wider than elsewhere.
+const PATIENCE: usize = 4;
+/// Polygons that are looked at for a part, a triangle and a level.
+const POLYGONS: u32 = 40;
 /// Triangles that a rectangle may hold.
 const MOST: usize = 4096;
 
@@ -108,9 +112,9 @@ impl<'a> Round<'a> {
     /// Bounds the deviations of a cell, which is a whole triangle of the reference.
     pub(super) fn bound(&self, cell: &Cell, searches: &mut [Search]) {
         let every = (1u32 << searches.len()) - 1;
-        let mut waiting = vec![([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], every)];
+        let mut waiting = VecDeque::from([([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], every)]);
         let mut looked = 0;
-        while let Some((corners, levels)) = waiting.pop() {
+        while let Some((corners, levels)) = waiting.pop_front() {
             let part = self.part(cell, corners);
             // What the simplified triangle does not stand for.
             if self.own.miss(&part.points) {
@@ -272,7 +276,7 @@ impl<'a> Round<'a> {
             let Some((linear, more)) = &s.linear else {
                 return farthest;
             };
-            let mut own = search.afresh();
+            let mut own = search.afresh(POLYGONS);
             if farthest <= own.enough() {
                 return farthest;
             }
