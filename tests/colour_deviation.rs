@@ -175,7 +175,7 @@ fn no_sample_lies_above_the_bound_and_the_bound_is_met() {
     let ball = Model::new(hilly(3), PrimaryKind::Sphere);
     let sheet = Model::new(squeezed(24), PrimaryKind::UvSet(0));
     let charts = Model::computed(&hilly(3), "lscm");
-    let tube = Model::new(colour::bellied(24, 12), PrimaryKind::Cylinder(Axis::Z));
+    let tube = Model::new(colour::bellied(16, 6), PrimaryKind::Cylinder(Axis::Z));
     let noise = Paint::noise([256, 128]);
     let soft = Paint::new([256, 128], smooth);
     let position = |mesh: &Mesh, paint: &Paint| {
