@@ -3,6 +3,7 @@
 
 mod cli_support;
 mod glb;
+mod painted;
 
 use cli_support::{Ball, Folder, Run, invertex};
 
@@ -147,4 +148,37 @@ fn a_flight_writes_pictures_and_a_page() {
     }
     let plain = folder.write("plain.glb", &ball());
     fly(&plain, &[]).fails(3, &["--mrm"]);
+}
+
+#[test]
+fn colours_let_triangles_move_farther() {
+    // One half of the ball is plain, the other has cells.
+    let folder = Folder::new();
+    let file = folder.at("painted.glb");
+    std::fs::write(&file, painted::Painted::default().glb()).unwrap();
+    let out = folder.at("built.glb");
+    let json = invertex(&[
+        "build", &file, "-o", &out, "--device", "cpu", "--mrm", "--json",
+    ])
+    .ok()
+    .json();
+    assert!(
+        json["build_ms"]["colours"].as_f64().unwrap() > 0.0,
+        "{json}"
+    );
+    let triangles = |lod: &str| {
+        let json = render(&out, &folder.at("a.png"), lod, &[]).ok().json();
+        json["images"][0]["triangles"].as_u64().unwrap()
+    };
+    let counts = [
+        "pixels:0.25",
+        "pixels:0.25,colour:1",
+        "pixels:0.25,colour:10",
+        "pixels:0.25,colour:1000",
+    ]
+    .map(triangles);
+    assert!(
+        counts.is_sorted_by(|a, b| a >= b) && counts[3] < counts[0],
+        "{counts:?}"
+    );
 }

@@ -37,6 +37,8 @@ pub struct BuildOutcome {
     pub ambiguous: Vec<Ambiguous>,
     /// Milliseconds of each stage, in order.
     pub milliseconds: Vec<(&'static str, f64)>,
+    /// What was left out or replaced on the way, in words.
+    pub notes: Vec<String>,
 }
 
 /// Builds LoDs and inverse geometric textures for every mesh of `scene` that has triangles.
@@ -90,7 +92,7 @@ pub fn build(
     let far = work.with_prepared("deviations", &prepared, |p| {
         Ok(deviations(&scene.meshes[p.mesh], &p.lods))
     })?;
-    let milliseconds = work.milliseconds;
+    let (milliseconds, notes) = (work.milliseconds, work.notes);
     let mut reports = Vec::with_capacity(prepared.len());
     let mut built = Vec::with_capacity(prepared.len());
     let of_all = prepared.into_iter().zip(tables).zip(far).zip(&ambiguous);
@@ -121,6 +123,7 @@ pub fn build(
         reports,
         ambiguous,
         milliseconds,
+        notes,
     })
 }
 

@@ -3,11 +3,13 @@
 //! In: settings, a scene. Out: what each step makes, and milliseconds of each stage.
 
 use super::build::Prepared;
+use super::colours_of;
 use super::hierarchy::{LEAST, stands_still};
 use super::motion::{places, shapes};
 use super::settings::{BuildSettings, Multiresolution, Progress};
-use crate::lod::multiresolution::Hierarchy;
+use crate::lod::multiresolution::{Hierarchy, StepColours};
 use crate::lod::progressive::Progressive;
+use crate::lod::progressive::colour::colour_deviations;
 use crate::lod::{self, Lod, LodInput, Shape, Simplifier};
 use crate::param::{Chosen, Parts};
 use crate::scene::Scene;
@@ -23,6 +25,8 @@ pub(super) struct Work<'a> {
     of: usize,
     /// Of each stage, in order.
     pub(super) milliseconds: Vec<(&'static str, f64)>,
+    /// What was found on the way.
+    pub(super) notes: Vec<String>,
 }
 
 impl<'a> Work<'a> {
@@ -32,7 +36,11 @@ impl<'a> Work<'a> {
         settings: &'a BuildSettings,
         progress: &'a dyn Progress,
     ) -> Self {
-        let of_each = 5 + usize::from(settings.multiresolution != Multiresolution::None);
+        let of_each = match settings.multiresolution {
+            Multiresolution::None => 5,
+            Multiresolution::Geometry => 6,
+            Multiresolution::Colours(_) => 7,
+        };
         Work {
             names: scene.meshes.iter().map(|mesh| mesh.name.clone()).collect(),
             settings,
@@ -40,6 +48,7 @@ impl<'a> Work<'a> {
             done: 0,
             of: meshes * of_each + 1,
             milliseconds: Vec::new(),
+            notes: Vec::new(),
         }
     }
 
@@ -130,25 +139,57 @@ impl<'a> Work<'a> {
                 Simplifier::Progressive => lod::nested_chains(&inputs, fractions),
             }
         })?;
-        let hierarchies = self.hierarchies(&inputs)?;
+        let hierarchies = self.hierarchies(scene, &inputs)?;
         Ok((chains, hierarchies))
     }
 
     /// The histories that views will cut, of meshes that stand still.
-    fn hierarchies(&mut self, inputs: &[LodInput<'_>]) -> Result<Vec<Option<Hierarchy>>> {
+    fn hierarchies(
+        &mut self,
+        scene: &Scene,
+        inputs: &[LodInput<'_>],
+    ) -> Result<Vec<Option<Hierarchy>>> {
         let mut hierarchies = Vec::with_capacity(inputs.len());
         for input in inputs {
-            let hierarchy = || {
-                let history = Progressive::new(input, LEAST)?;
-                Ok(Hierarchy::new(history, &input.mesh.positions, None))
-            };
-            let wanted =
-                self.settings.multiresolution != Multiresolution::None && stands_still(input.mesh);
-            hierarchies.push(match wanted {
-                true => Some(self.step("multiresolution", &input.mesh.name, hierarchy)?),
+            let wanted = self.settings.multiresolution != Multiresolution::None;
+            hierarchies.push(match wanted && self.stands_still(input) {
+                true => Some(self.hierarchy(scene, input)?),
                 false => None,
             });
         }
         Ok(hierarchies)
+    }
+
+    fn stands_still(&mut self, input: &LodInput<'_>) -> bool {
+        let still = stands_still(input.mesh);
+        if !still {
+            self.notes.push(format!(
+                "mesh \"{}\" is deformed by skins or morph targets: it goes without a multiresolution model",
+                input.mesh.name
+            ));
+        }
+        still
+    }
+
+    fn hierarchy(&mut self, scene: &Scene, input: &LodInput<'_>) -> Result<Hierarchy> {
+        let (mesh, settings) = (input.mesh, self.settings);
+        let history = || Progressive::new(input, LEAST);
+        let history = self.step("multiresolution", &mesh.name, history)?;
+        let colours = match settings.multiresolution {
+            Multiresolution::Colours(distance) => {
+                let (colours, words) = colours_of(scene, mesh);
+                self.notes.extend(words);
+                let measure = || match colours {
+                    Some(colours) => {
+                        let off = colour_deviations(input, &history, &colours, distance)?;
+                        Ok(Some(StepColours::of(&history, &off, distance)))
+                    }
+                    None => Ok(None),
+                };
+                self.step("colours", &mesh.name, measure)?
+            }
+            _ => None,
+        };
+        Ok(Hierarchy::new(history, &mesh.positions, colours))
     }
 }

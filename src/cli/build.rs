@@ -130,6 +130,7 @@ impl Build {
             asset::build(scene, &settings, device.processor(), &bar)?
         };
         times.extend(&outcome.milliseconds);
+        outcome.notes.iter().for_each(|words| note(common, words));
         if let Some(size) = self.shader_lod {
             let filtering = Instant::now();
             let bar = Bar::new(common, 0);
@@ -153,7 +154,7 @@ impl Build {
             output: self.output.display().to_string(),
             output_bytes: std::fs::metadata(&self.output).map_or(0, |meta| meta.len()),
             device: device.name(),
-            warnings: &outcome.built.scene.warnings,
+            warnings: &[outcome.built.scene.warnings.as_slice(), &outcome.notes].concat(),
             meshes: &outcome.reports,
             build_ms: times,
         };

@@ -79,10 +79,10 @@ impl<'a> Cutter<'a> {
         })
     }
 
-    /// Whether every mesh with a multiresolution model knows what its colours are off by.
+    /// Whether some mesh knows what its colours are off by; others are cut by pixels alone.
     pub fn knows_colours(&self) -> bool {
         let mut meshes = self.meshes.iter().flatten();
-        meshes.all(|cutting| cutting.hierarchy.colours.is_some())
+        meshes.any(|cutting| cutting.hierarchy.colours.is_some())
     }
 
     /// The cuts for `camera`.

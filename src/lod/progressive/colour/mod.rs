@@ -153,13 +153,6 @@ impl ColourDeviations {
         }
     }
 
-    /// For each of [`Progressive::triangles`], for each level: tangential deviation and product.
-    pub fn table(&self) -> Vec<[f32; 2]> {
-        let reference = vec![[0.0; 2]; self.first * self.levels];
-        let made = self.of.iter().map(|d| [d.tangential, d.product]);
-        reference.into_iter().chain(made).collect()
-    }
-
     /// The level at which a pixel's footprint on the surface is `footprint` object units.
     pub fn level_of(&self, footprint: f32) -> usize {
         let level = (footprint / self.footprint).log2().floor();
