@@ -37,7 +37,7 @@ pub use colours::colours_of;
 pub use decode::{is_built, read};
 pub use encode::to_bytes;
 pub use extension::EXTENSION;
-pub use report::{LodReport, MeshReport, NAMED, TableBytes};
+pub use report::{HierarchyReport, LodReport, MeshReport, NAMED, TableBytes};
 pub use settings::{BuildSettings, Multiresolution, Processor, Progress, hash_for};
 pub use tables::{MeshTables, TableFile, open_tables};
 

@@ -8,6 +8,8 @@ use super::build::Prepared;
 use crate::igt::{Ambiguous, Layout, Tables};
 use crate::lod::Simplifier;
 use crate::lod::deviation::Deviation;
+use crate::lod::multiresolution::Hierarchy;
+use crate::lod::progressive::colour::Distance;
 use crate::mesh::Mesh;
 use crate::param::{self, Quality, Weighed};
 use serde::{Deserialize, Serialize};
@@ -70,6 +72,38 @@ pub struct MeshReport {
     pub tables_sha256: String,
     /// The LoDs, finest first.
     pub lods: Vec<LodReport>,
+    /// Of which views take cuts; null without `--mrm`.
+    #[serde(default)]
+    pub multiresolution: Option<HierarchyReport>,
+}
+
+/// What a build says of a multiresolution model.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HierarchyReport {
+    /// Steps of the simplification.
+    pub collapses: usize,
+    /// Triangles of all ages.
+    pub triangles: usize,
+    /// Triangles of the coarsest cut.
+    pub coarsest: usize,
+    /// Footprints that colours are measured at; 0 where only geometry counts.
+    pub colour_levels: usize,
+    /// What colours are measured by; null where only geometry counts.
+    pub colour_distance: Option<Distance>,
+}
+
+impl HierarchyReport {
+    fn of(hierarchy: &Hierarchy) -> Self {
+        let history = &hierarchy.history;
+        let colours = hierarchy.colours.as_ref();
+        HierarchyReport {
+            collapses: history.collapses.len(),
+            triangles: history.triangles.len(),
+            coarsest: history.after(history.collapses.len()).count(),
+            colour_levels: colours.map_or(0, |c| c.levels),
+            colour_distance: colours.map(|c| c.distance),
+        }
+    }
 }
 
 /// Bytes of each table.
@@ -182,5 +216,6 @@ pub(super) fn of(
         },
         tables_sha256: tables.sha256(),
         lods: prepared.lods.iter().zip(far).map(lod).collect(),
+        multiresolution: prepared.hierarchy.as_ref().map(HierarchyReport::of),
     }
 }

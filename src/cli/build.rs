@@ -28,6 +28,7 @@ map {charts, stretch {l2, linf, angle}, seam_length, filled_fraction, turned_tri
 layout, entries, mean_list, max_list, gutter_entries, gutter_width (texels), unreached_texels, collapsed_triangles,
 ambiguous_fraction (of the covered domain), ambiguous_triangles, ambiguous_area_fraction (of the surface, at most),
 ambiguous_first[] (up to 64 of them), overlap_fraction, turned_fraction, bytes {hash, list, triangle, attribute, total}, tables_sha256,
+multiresolution (of --mrm, else null) {collapses, triangles (of all ages), coarsest, colour_levels, colour_distance},
 lods[]: triangles, vertices, deviation_max, deviation_rms, deviation_bound (of --simplifier progressive, else null), turned,
 reached; build_ms {load, primary, parts, lods, tables, ambiguous, deviations, write, total}.
 
@@ -358,13 +359,28 @@ fn readable(report: &Report) -> String {
         .iter()
         .map(|mesh| format!("{}: {}\n", mesh.name, mesh.why))
         .collect();
+    let cut = |mesh: &MeshReport| {
+        let model = mesh.multiresolution.as_ref()?;
+        Some(format!(
+            "{}: views take cuts of {} to {} triangles{}\n",
+            mesh.name,
+            thousands(model.coarsest as u64),
+            thousands(mesh.triangles as u64),
+            if model.colour_distance.is_some() {
+                ", by pixels and colour"
+            } else {
+                ""
+            },
+        ))
+    };
+    let cuts: String = report.meshes.iter().filter_map(cut).collect();
     let times: Vec<String> = report
         .build_ms
         .iter()
         .map(|(stage, ms)| format!("{stage} {ms:.0}"))
         .collect();
     format!(
-        "{}\n{}\n{why}\n{} written ({} KiB), tables built on {}\nmilliseconds: {}\n",
+        "{}\n{}\n{why}{cuts}\n{} written ({} KiB), tables built on {}\nmilliseconds: {}\n",
         tables.text(),
         lods.text(),
         report.output,
