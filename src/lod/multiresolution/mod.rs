@@ -9,7 +9,7 @@
 //!
 //! A collapse can be made once those are made that made its triangles. So collapses make a DAG, and a set of them that leaves
 //! none of their predecessors out is a cut: a triangle is there where the collapse that made it is in the set and the one that
-//! it goes by is not. The bound of each collapse holds those of its predecessors, and [`view`] never judges a region better
+//! it goes by is not. The bound of each collapse holds those of its predecessors, and the flow diagram (`view`) never judges a region better
 //! than one that it holds: **every collapse decides alone**, and what they decide is a cut.
 //!
 //! Any cut is a mesh as sound as a level of the history. Edges between places that stay never vanish by half-edge collapses, so
