@@ -2,6 +2,9 @@
 
 use glam::DVec2;
 
+/// Shares are taken wider by this: rounding must not leave anything out.
+const ROUNDING: f64 = 1e-12;
+
 /// Least and largest coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rectangle {
@@ -77,6 +80,7 @@ impl Passed {
             from = from.max(s[0].min(s[1]));
             to = to.min(s[0].max(s[1]));
         }
+        let (from, to) = ((from - ROUNDING).max(0.0), (to + ROUNDING).min(1.0));
         (from <= to).then_some([from, to])
     }
 }
