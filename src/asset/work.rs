@@ -153,7 +153,7 @@ impl<'a> Work<'a> {
         for input in inputs {
             let wanted = self.settings.multiresolution != Multiresolution::None;
             hierarchies.push(match wanted && self.stands_still(input) {
-                true => Some(self.hierarchy(scene, input)?),
+                true => self.hierarchy(scene, input)?,
                 false => None,
             });
         }
@@ -171,10 +171,18 @@ impl<'a> Work<'a> {
         still
     }
 
-    fn hierarchy(&mut self, scene: &Scene, input: &LodInput<'_>) -> Result<Hierarchy> {
+    /// None, and a note, for a mesh whose primary has no known bound: the others get theirs.
+    fn hierarchy(&mut self, scene: &Scene, input: &LodInput<'_>) -> Result<Option<Hierarchy>> {
         let (mesh, settings) = (input.mesh, self.settings);
         let history = || Progressive::new(input, LEAST);
-        let history = self.step("multiresolution", &mesh.name, history)?;
+        let history = match self.step("multiresolution", &mesh.name, history) {
+            Err(Error::Option { reason, .. }) => {
+                self.notes
+                    .push(format!("no multiresolution model: {reason}"));
+                return Ok(None);
+            }
+            history => history?,
+        };
         let colours = match settings.multiresolution {
             Multiresolution::Colours(distance) => {
                 let (colours, words) = colours_of(scene, mesh);
@@ -190,6 +198,6 @@ impl<'a> Work<'a> {
             }
             _ => None,
         };
-        Ok(Hierarchy::new(history, &mesh.positions, colours))
+        Ok(Some(Hierarchy::new(history, &mesh.positions, colours)))
     }
 }
