@@ -3,9 +3,12 @@
 //! What is sampled here is found by the tables and by colours computed in this file, not by what makes the bounds.
 
 mod colour;
+mod hills;
+mod parted;
 
 use colour::found::sampled;
-use colour::{Model, Paint, globe, hilly, painted, smooth, squeezed};
+use colour::{Model, Paint, globe, painted, smooth};
+use hills::{bellied, hilly, squeezed};
 use invertex::lod::progressive::colour::{Colours, Distance, Shade, Wrap, colour_deviations};
 use invertex::mesh::{Mesh, shapes};
 use invertex::param::{Axis, PrimaryKind};
@@ -175,7 +178,7 @@ fn no_sample_lies_above_the_bound_and_the_bound_is_met() {
     let ball = Model::new(hilly(3), PrimaryKind::Sphere);
     let sheet = Model::new(squeezed(24), PrimaryKind::UvSet(0));
     let charts = Model::computed(&hilly(3), "lscm");
-    let tube = Model::new(colour::bellied(16, 6), PrimaryKind::Cylinder(Axis::Z));
+    let tube = Model::new(bellied(16, 6), PrimaryKind::Cylinder(Axis::Z));
     let noise = Paint::noise([256, 128]);
     let soft = Paint::new([256, 128], smooth);
     let position = |mesh: &Mesh, paint: &Paint| {

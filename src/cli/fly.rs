@@ -6,6 +6,7 @@ use super::device::Device;
 use super::drawing::{self, DrawPath, Mode, Shading, Wish};
 use super::fly_report::{self, Flight, Moment, Pictures};
 use super::lod_choice::LodChoice;
+use super::motion::Distance;
 use super::progress::Bar;
 use super::render_stages::Stages;
 use super::view::{Angles, Size};
@@ -46,7 +47,7 @@ pub(super) struct Fly {
     frames: u32,
     /// How far away the camera begins and ends; 1 sees the model whole.
     #[arg(long, value_name = "A..B", default_value = "6..0.7")]
-    distance: Distances,
+    distance: Distance,
     /// Times round the model.
     #[arg(
         long,
@@ -83,28 +84,6 @@ enum Outside {
     Fine,
     /// It may be as coarse as can be.
     Coarse,
-}
-
-/// Two distances.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Distances(f64, f64);
-
-impl std::str::FromStr for Distances {
-    type Err = String;
-
-    fn from_str(text: &str) -> std::result::Result<Self, String> {
-        let number = |text: &str| {
-            let number = text.trim().parse::<f64>().ok();
-            number.filter(|d| d.is_finite() && *d > 0.0)
-        };
-        let (from, to) = text.split_once("..").unwrap_or((text, text));
-        match (number(from), number(to)) {
-            (Some(from), Some(to)) => Ok(Distances(from, to)),
-            _ => Err(format!(
-                "\"{text}\" is not two distances above 0 such as 6..0.7"
-            )),
-        }
-    }
 }
 
 impl Fly {
@@ -179,7 +158,7 @@ impl Fly {
     /// The camera of picture `k`: as much nearer from one to the next, by a factor.
     fn camera(&self, k: u32, (centre, radius): ([f64; 3], f64)) -> Result<(Camera, f64, f64)> {
         let share = f64::from(k) / f64::from(self.frames - 1);
-        let Distances(from, to) = self.distance;
+        let Distance(from, to) = self.distance;
         let (distance, turn) = (from * (to / from).powf(share), self.turns * 360.0 * share);
         let angles = [self.view.0 + turn, self.view.1];
         let size = [self.size.0, self.size.1];

@@ -72,7 +72,7 @@ pub(super) struct Motion {
 
 /// What `--distance` says: the first picture's and the last one's.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Distance(f64, f64);
+pub(super) struct Distance(pub(super) f64, pub(super) f64);
 
 impl FromStr for Distance {
     type Err = String;

@@ -6,7 +6,7 @@ use invertex::igt::{Ambiguous, Asker, BuildOptions, Layout, Needs, Reference, Ta
 use invertex::lod::LodInput;
 use invertex::lod::progressive::colour::{Colours, Picture, Shade, Wrap};
 use invertex::lod::progressive::{Made, Progressive};
-use invertex::mesh::{Mesh, Weld, components, shapes};
+use invertex::mesh::{Mesh, Weld, components};
 use invertex::param::projection::Line;
 use invertex::param::{Parts, Primary, PrimaryKind, PrimaryRequest, parameterize, parts};
 use std::borrow::Cow;
@@ -245,37 +245,6 @@ pub(crate) fn at_vertices(mesh: &Mesh) -> Colours<'static> {
             .collect(),
         ..Colours::default()
     }
-}
-
-/// A ball with hills.
-pub(crate) fn hilly(subdivisions: u32) -> Mesh {
-    let mut mesh = shapes::icosphere(subdivisions);
-    for p in &mut mesh.positions {
-        let wave = |x: f32, y: f32| (5.0 * x + 1.0).sin() * (4.0 * y).cos();
-        let r = 1.0 + 0.12 * wave(p[0], p[1]) + 0.07 * wave(p[2], p[0] + 2.0);
-        *p = p.map(|x| x * r);
-    }
-    mesh
-}
-
-/// A sheet with hills, whose uv is squeezed towards one side.
-pub(crate) fn squeezed(n: u32) -> Mesh {
-    let mut mesh = shapes::grid(n);
-    for (p, uv) in mesh.positions.iter_mut().zip(&mut mesh.uv_sets[0]) {
-        p[2] += 0.1 * (4.0 * p[0]).sin() * (3.0 * p[1]).cos();
-        uv[0] = uv[0] * uv[0] * 0.6 + 0.3 * uv[0];
-    }
-    mesh
-}
-
-/// A tube whose radius varies.
-pub(crate) fn bellied(segments: u32, rings: u32) -> Mesh {
-    let mut mesh = shapes::tube(segments, rings);
-    for p in &mut mesh.positions {
-        let r = 1.0 + 0.25 * (3.0 * p[2]).sin();
-        (p[0], p[1]) = (p[0] * r, p[1] * r);
-    }
-    mesh
 }
 
 /// A number in 0..1 for each index.
