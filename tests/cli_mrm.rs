@@ -44,6 +44,19 @@ fn fewer_pixels_off_take_more_triangles() {
     };
     let counts = ["pixels:0", "pixels:0.5", "pixels:4"].map(triangles);
     assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
+    // Where only the surface must stay fewer will do; what it shows may then be anywhere, and is said to be.
+    assert!(triangles("surface:0.5") < counts[1]);
+    let bound = |lod: &str| {
+        let json = render(&built, &folder.at("a.png"), lod, &[]).ok().json();
+        let cut = json["images"][0]["cut"].clone();
+        assert_eq!(cut["surface"], lod.starts_with("surface"));
+        cut["bound_pixels"].as_f64().unwrap()
+    };
+    let bounds = ["pixels:0", "pixels:0.5", "surface:0.5"].map(bound);
+    assert!(
+        bounds[0] == 0.0 && bounds[1] > 0.1 && bounds[1] < 0.50001 && bounds[2] > 0.5,
+        "{bounds:?}"
+    );
 }
 
 #[test]
@@ -75,6 +88,7 @@ fn what_a_model_does_not_know_is_refused() {
     let (folder, plain) = built(&[]);
     let out = folder.at("a.png");
     render(&plain, &out, "pixels:1,colour:2", &[]).fails(2, &["--mrm"]);
+    render(&plain, &out, "surface:1", &[]).fails(2, &["surface", "--mrm"]);
     // Levels of the chain, as without colour.
     render(&plain, &out, "pixels:1", &[]).ok();
     let (folder, geometry) = built(&["--mrm=geometry"]);
@@ -86,6 +100,8 @@ fn what_a_model_does_not_know_is_refused() {
         "pixels:1,colour:-1",
         "pixels:1,color:1",
         "pixels:1,colour:",
+        "surface:-1",
+        "surface:1,colour:2",
     ] {
         let run = render(&geometry, &out, wrong, &[]);
         assert!(
@@ -133,6 +149,9 @@ fn a_flight_writes_pictures_and_a_page() {
             "{frame}"
         );
         assert!(frame["displaced"]["pixels"].as_u64().unwrap() > 0);
+        let bound = frame["bound_pixels"].as_f64().unwrap();
+        let most = frame["displaced"]["max"].as_f64().unwrap();
+        assert!(bound < 0.50001 && most < bound + 0.045, "{frame}");
     }
     let count = |k: usize| frames[k]["triangles"].as_u64().unwrap();
     assert!(count(4) > count(0));

@@ -56,7 +56,7 @@ fn built(scene: &Scene, primary: &str, hash: u32, layout: Layout) -> Vec<BuiltMe
 fn points(mesh: &BuiltMesh, count: usize) -> Vec<([i32; 3], Asker)> {
     let lod = &mesh.lods[0];
     let line = mesh.tables.primary.line();
-    let words = askers(line, &lod.t3, &lod.triangles, &lod.triangle_layer);
+    let words = askers(line, lod);
     let area = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| glam::Vec3::from(lod.positions[v as usize]));
         f64::from((b - a).cross(c - a).length())

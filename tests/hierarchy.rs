@@ -193,3 +193,54 @@ fn colours_let_the_plain_half_be_coarse() {
     // No colour may be off at all: what says nothing is off stays as coarse.
     assert_eq!(halves(Some(0.0)).0, by_colour.0);
 }
+
+/// A flat sheet whose uv runs ever faster: nothing moves along the normal, everything along the surface.
+#[test]
+fn the_surface_alone_lets_its_texture_go() {
+    let mut sheet = shapes::grid(24);
+    for uv in &mut sheet.uv_sets[0] {
+        uv[0] *= uv[0];
+    }
+    let model = Model::new(sheet, PrimaryKind::UvSet(0));
+    let history = Progressive::new(&model.input(), 4).unwrap();
+    let coarsest = history.after(history.collapses.len()).count();
+    let cuts = Hierarchy::new(history, &model.mesh.positions, None).model;
+    let cut = |surface: bool| {
+        let limits = Limits {
+            surface,
+            ..Limits::default()
+        };
+        let view = cuts.view(&seen(3.0), &limits).unwrap();
+        let cut = cuts.select(&[view], &mut Memory::default());
+        (cut.faces.len(), cuts.displacement(&[view], &cut))
+    };
+    let ((all, kept), (few, gone)) = (cut(false), cut(true));
+    assert!(few == coarsest && all > 3 * few, "{all} {few}");
+    assert!(kept <= 0.5 * 1.00001 && gone > 5.0, "{kept} {gone}");
+}
+
+#[test]
+fn what_a_cut_proves_is_within_the_limit_and_near_it() {
+    let (model, history) = sphere();
+    let cuts = Hierarchy::new(history, &model.mesh.positions, None).model;
+    let mut most = 0.0f64;
+    for i in 0..40 {
+        let seen = seen(1.2 * 1.1f64.powi(i));
+        let within = |pixels: f64| {
+            let limits = Limits {
+                pixels,
+                ..Limits::default()
+            };
+            let view = cuts.view(&seen, &limits).unwrap();
+            (view, cuts.select(&[view], &mut Memory::default()))
+        };
+        let (view, cut) = within(3.0);
+        let proved = cuts.displacement(&[view], &cut);
+        assert!(proved <= 3.0 * 1.00001, "{i}: {proved}");
+        most = most.max(proved);
+        // A cut that was made within less proves no more; the reference itself nothing.
+        assert!(cuts.displacement(&[view], &within(1.0).1) <= proved);
+        assert_eq!(cuts.displacement(&[view], &within(0.0).1), 0.0);
+    }
+    assert!(most > 2.5, "{most}");
+}

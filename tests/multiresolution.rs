@@ -117,6 +117,7 @@ fn view(i: u64, about: DVec3, size: f64) -> Seen {
 fn limits(i: u64) -> Limits {
     Limits {
         pixels: [0.5, 0.0, 3.0, 20.0][(i / 3 % 4) as usize],
+        surface: i % 7 == 3,
         outside: i.is_multiple_of(2),
         hysteresis: [1.0, 0.7][(i / 2 % 2) as usize],
         ..Limits::default()
@@ -241,6 +242,12 @@ fn limits_of_nothing_and_of_everything() {
         };
         assert!(subject.cuts.view(&seen, &limits).is_err());
     }
+    let both = Limits {
+        surface: true,
+        colour: Some(1.0),
+        ..Limits::default()
+    };
+    assert!(subject.cuts.view(&seen, &both).is_err());
     let flat = Seen {
         object_to_view: DMat4::from_scale(DVec3::new(1.0, 1.0, 0.0)),
         ..seen

@@ -52,6 +52,7 @@ fn view(model: &Multiresolution, i: u64) -> View {
     let limits = Limits {
         pixels: [0.5, 0.0, 4.0][(i % 3) as usize],
         colour: [None, Some(2.0), Some(20.0)][(i / 2 % 3) as usize],
+        surface: i / 2 % 6 == 3,
         hysteresis: [1.0, 0.7][(i / 3 % 2) as usize],
         outside: i.is_multiple_of(2),
     };

@@ -20,6 +20,7 @@ const uint DOUBLE_SIDED = 2u;
 const uint ANGLES = 4u;
 const uint COLOURS = 8u;
 const uint OUTSIDE_IS_COARSE = 16u;
+const uint SURFACE_ALONE = 32u;
 const uint VIEW_QUADS = 13u;
 const float STEPS_SQUARED = 127.0 * 127.0;
 
@@ -177,7 +178,8 @@ bool accepts(View view, Bound bound, uint node, uint limit) {
     if (is_outside(view, bound)) return true;
     if ((view.flags & DOUBLE_SIDED) == 0u && along(place, bound.facing, 0u).x >= 0.0) return true;
     float pixels = view.pixels[limit];
-    if (within(view, place, bound.total, pixels)) return true;
+    float displaced = (view.flags & SURFACE_ALONE) == 0u ? bound.total : bound.normal;
+    if (within(view, place, displaced, pixels)) return true;
     if ((view.flags & COLOURS) == 0u) return false;
     vec2 off = colour_of(node, level_of(view, place));
     float most = view.colour[limit];

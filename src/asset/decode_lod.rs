@@ -89,6 +89,7 @@ impl Reading<'_> {
             weights,
             targets,
             error: extension.error,
+            bounded: extension.bounded,
             turned: extension.turned,
             reached: extension.reached,
         })

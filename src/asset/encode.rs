@@ -207,6 +207,7 @@ impl Writer<'_> {
             mesh: meshes.len() - 1,
             layer,
             error: lod.error,
+            bounded: lod.bounded,
             turned: lod.turned,
             reached: lod.reached,
         }

@@ -98,6 +98,9 @@ pub(super) struct LodExtension {
     pub(super) layer: usize,
     /// In object units.
     pub(super) error: f32,
+    /// Whether the error is a bound along projection lines.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(super) bounded: bool,
     pub(super) turned: u32,
     pub(super) reached: bool,
 }

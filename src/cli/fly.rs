@@ -24,14 +24,16 @@ use invertex::{Error, Result};
 /// frame_NNNN_displaced.png (how far each pixel's detail stands from its true place), and fly.html with plots over time.
 #[derive(clap::Args)]
 #[command(after_help = "\
-JSON: file, device, limits {pixels, colour, hysteresis, outside}, reference_triangles, frames[]: path, distance, turn, triangles,
-asked (collapses and blocks of them), changed (triangles that the picture before did not have), selection_ms, displaced {pixels,
+JSON: file, device, limits {pixels, colour, surface, hysteresis, outside}, reference_triangles, frames[]: path, distance, turn, triangles,
+asked (collapses and blocks of them), changed (triangles that the picture before did not have), selection_ms, bound_pixels (no
+detail that faces the eye is displaced by more, as the model knows it), displaced {pixels,
 mean, p99, max}: of the pixels whose point of the reference faces the eye, how far on the screen it stands from its place; page.
 
 Examples:
   invertex build globe.glb -o mrm.glb --mrm
   invertex fly mrm.glb -o flight/
   invertex fly mrm.glb -o flight/ --lod pixels:0.5,colour:2 --frames 240 --size 640x360
+  invertex fly mrm.glb -o swims/ --lod surface:0.5                 what is displaced where texture does not count
   invertex fly mrm.glb -o flight/ --distance 0.2..8 --turns 0 --outside coarse --json")]
 pub(super) struct Fly {
     /// The model: a GLB that `build --mrm` made.
@@ -40,7 +42,11 @@ pub(super) struct Fly {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// What pictures may be off by.
-    #[arg(long, value_name = "pixels:X[,colour:Y]", default_value = "pixels:0.5")]
+    #[arg(
+        long,
+        value_name = "pixels:X[,colour:Y]|surface:X",
+        default_value = "pixels:0.5"
+    )]
     lod: LodChoice,
     /// Pictures.
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = clap::value_parser!(u32).range(2..=100_000))]
@@ -130,7 +136,7 @@ impl Fly {
         let Some(limits) = self.lod.limits(true) else {
             return Err(bad_option(
                 "--lod",
-                "a flight is within pixels:X or pixels:X,colour:Y",
+                "a flight is within pixels:X, pixels:X,colour:Y or surface:X",
             ));
         };
         if !self.turns.is_finite() {

@@ -5,6 +5,7 @@ use std::path::Path;
 use invertex::Result;
 use invertex::asset::Built;
 use invertex::lod::multiresolution::Limits;
+use invertex::measure::Displacements;
 use invertex::output::report::{self, Axis, Chart, Line, Marks, Page, Plot, Section, Shot};
 use invertex::output::write_bytes;
 use serde::Serialize;
@@ -30,6 +31,7 @@ pub(super) struct Flight {
 struct Within {
     pixels: f64,
     colour: Option<f64>,
+    surface: bool,
     hysteresis: f64,
     outside: &'static str,
 }
@@ -44,16 +46,8 @@ pub(super) struct Moment {
     asked: usize,
     changed: usize,
     selection_ms: f64,
-    displaced: Displaced,
-}
-
-/// Displacements of pixels, in pixels.
-#[derive(Clone, Copy, Default, Serialize)]
-struct Displaced {
-    pixels: usize,
-    mean: f64,
-    p99: f32,
-    max: f32,
+    bound_pixels: f64,
+    displaced: Displacements,
 }
 
 /// A frame's pictures as PNG.
@@ -61,23 +55,6 @@ pub(super) struct Pictures {
     pub(super) shown: Vec<u8>,
     pub(super) cut: Vec<u8>,
     pub(super) displaced: Vec<u8>,
-}
-
-impl Displaced {
-    fn of(off: &[Option<f32>]) -> Self {
-        let mut known: Vec<f32> = off.iter().flatten().copied().collect();
-        known.sort_unstable_by(f32::total_cmp);
-        let Some(&max) = known.last() else {
-            return Displaced::default();
-        };
-        let sum: f64 = known.iter().map(|&d| f64::from(d)).sum();
-        Displaced {
-            pixels: known.len(),
-            mean: sum / known.len() as f64,
-            p99: known[known.len() * 99 / 100],
-            max,
-        }
-    }
 }
 
 impl Moment {
@@ -96,7 +73,8 @@ impl Moment {
             asked: cut.map_or(0, |cut| cut.asked),
             changed: cut.map_or(0, |cut| cut.changed),
             selection_ms: cut.map_or(0.0, |cut| cut.selection_ms),
-            displaced: Displaced::of(off),
+            bound_pixels: cut.map_or(0.0, |cut| cut.bound_pixels),
+            displaced: Displacements::of(off),
         }
     }
 }
@@ -110,6 +88,7 @@ impl Flight {
             limits: Within {
                 pixels: limits.pixels,
                 colour: limits.colour,
+                surface: limits.surface,
                 hysteresis: limits.hysteresis,
                 outside: if limits.outside { "fine" } else { "coarse" },
             },
@@ -155,6 +134,7 @@ impl Flight {
             "changed",
             "asked",
             "selection ms",
+            "bound",
             "displaced: mean",
             "p99",
             "max",
@@ -167,6 +147,7 @@ impl Flight {
                 thousands(frame.changed as u64),
                 thousands(frame.asked as u64),
                 format!("{:.3}", frame.selection_ms),
+                format!("{:.3}", frame.bound_pixels),
                 format!("{:.3}", frame.displaced.mean),
                 format!("{:.3}", frame.displaced.p99),
                 format!("{:.3}", frame.displaced.max),
@@ -212,6 +193,7 @@ impl Flight {
                 "Displacement on the screen",
                 "pixels",
                 &[
+                    ("bound", |f| f.bound_pixels),
                     ("most", |f| f.displaced.max.into()),
                     ("99 % at most", |f| f.displaced.p99.into()),
                     ("mean", |f| f.displaced.mean),

@@ -1,6 +1,6 @@
 //! `--lod`: which level of detail.
 //!
-//! In: `N`, `triangles:N`, `pixels:X` or `pixels:X,colour:Y`, a built model, a camera. Out: a level: 0 is the reference's own
+//! In: `N`, `triangles:N`, `pixels:X`, `pixels:X,colour:Y` or `surface:X`, a built model, a camera. Out: a level: 0 is the reference's own
 //! geometry, 1, 2, .. the chain; or the limits of a cut.
 
 use std::str::FromStr;
@@ -27,6 +27,8 @@ pub(super) enum LodChoice {
         /// In the unit of the model's colour deviations.
         colour: Option<f64>,
     },
+    /// Of a multiresolution model the cut whose surface is off by no more pixels, wherever its texture goes.
+    Surface(f64),
 }
 
 impl FromStr for LodChoice {
@@ -35,7 +37,7 @@ impl FromStr for LodChoice {
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let wrong = || {
             format!(
-                "\"{text}\" is not a level (0, 1, ..), triangles:N, pixels:X or pixels:X,colour:Y"
+                "\"{text}\" is not a level (0, 1, ..), triangles:N, pixels:X, pixels:X,colour:Y or surface:X"
             )
         };
         let limit = |text: &str| {
@@ -47,6 +49,7 @@ impl FromStr for LodChoice {
         match text.split_once(':') {
             None => text.parse().map(LodChoice::Level).map_err(|_| wrong()),
             Some(("triangles", n)) => n.parse().map(LodChoice::Triangles).map_err(|_| wrong()),
+            Some(("surface", pixels)) => limit(pixels).map(LodChoice::Surface),
             Some(("pixels", limits)) => {
                 let (pixels, colour) = match limits.split_once(",colour:") {
                     Some((pixels, colour)) => (pixels, Some(limit(colour)?)),
@@ -87,7 +90,7 @@ impl LodChoice {
                 let fits = |&level: &usize| triangles(built, level) <= most;
                 Ok((0..levels).find(fits).unwrap_or(levels - 1))
             }
-            LodChoice::Pixels { pixels: most, .. } => {
+            LodChoice::Pixels { pixels: most, .. } | LodChoice::Surface(most) => {
                 let scale = pixels_per_unit(camera, sphere);
                 let fits = |&level: &usize| deviation(built, level) * scale <= most;
                 Ok((0..levels).rev().find(fits).unwrap_or(0))
@@ -100,15 +103,18 @@ impl LodChoice {
     /// The limits of a cut; none where a level is meant. In a sequence what is finer stays so until it may be coarser with
     /// a tenth to spare: nothing flickers.
     pub(super) fn limits(&self, is_sequence: bool) -> Option<Limits> {
-        match *self {
-            LodChoice::Pixels { pixels, colour } => Some(Limits {
-                pixels,
-                colour,
-                hysteresis: if is_sequence { 0.9 } else { 1.0 },
-                outside: true,
-            }),
-            _ => None,
-        }
+        let (pixels, colour, surface) = match *self {
+            LodChoice::Pixels { pixels, colour } => (pixels, colour, false),
+            LodChoice::Surface(pixels) => (pixels, None, true),
+            LodChoice::Level(_) | LodChoice::Triangles(_) => return None,
+        };
+        Some(Limits {
+            pixels,
+            colour,
+            surface,
+            hysteresis: if is_sequence { 0.9 } else { 1.0 },
+            outside: true,
+        })
     }
 }
 
@@ -178,6 +184,7 @@ mod tests {
         };
         assert_eq!("pixels:0.5".parse(), Ok(pixels(None)));
         assert_eq!("pixels:0.5,colour:2".parse(), Ok(pixels(Some(2.0))));
+        assert_eq!("surface:0.5".parse(), Ok(LodChoice::Surface(0.5)));
         for bad in [
             "",
             "-1",
@@ -190,6 +197,9 @@ mod tests {
             "pixels:1,colour:nan",
             "pixels:,colour:2",
             "colour:2",
+            "surface:",
+            "surface:-1",
+            "surface:1,colour:2",
             "triangles:1.5",
             "metres:1",
         ] {

@@ -31,6 +31,8 @@ mod motion;
 mod points;
 mod print;
 mod profile;
+mod profile_cuts;
+mod profile_found;
 mod profile_report;
 mod profile_table;
 mod progress;

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use invertex::asset::{Built, Model};
 use invertex::measure::{
-    Bench, Drawing, MemoryRow, ProfileSettings, Ranges, Run, Sitter, Sweep, WHOLE, chrome_trace,
-    memory, plan,
+    Bench, CutRanges, Drawing, MemoryRow, ProfileSettings, Ranges, Sitter, Sweep, WHOLE,
+    at_equal_flip, chrome_trace, memory, plan,
 };
 use invertex::output::{check_target, make_folder, write_bytes};
-use invertex::render::{Clock, FrameBudget, level_near};
+use invertex::render::{FrameBudget, level_near};
 use invertex::{Error, Result};
 use serde::Serialize;
 
@@ -16,9 +16,10 @@ use super::device::Device;
 use super::drawing::{DrawPath, Shading};
 use super::lod_choice::LodChoice;
 use super::print;
+use super::profile_found::{Report, SweepChoice};
 use super::progress::Bar;
 use super::view::{Angles, Size};
-use super::{Common, bad_option, mesh_named, note, profile_report, profile_table};
+use super::{Common, bad_option, mesh_named, profile_cuts, profile_report, profile_table};
 
 /// Share of the reference's triangles that the level of detail is near where --lod does not say.
 const SHARE: f64 = 0.1;
@@ -39,12 +40,19 @@ triangles, mean_list, mean_fetches, mean_fetches_with_uv, p99_fetches, max_fetch
 texture_bytes, covered_pixels, unmapped_pixels, frame_ns_median, frame_ns_p95, frame_ns_p99, lookup_ns_median,
 lookup_ns_p95, frames, clock, passes[]: name,
 median_ns, p95_ns, p99_ns; histogram[] (pixels by number of fetches), tests_histogram[] (by triangles tested), mean_tests; memory[]: file, mesh, triangles, primary, layout, hash,
-mean_list, bytes{hash, list, triangle, attribute, total}, bytes_per_triangle; outputs[]; warnings[].
+mean_list, bytes{hash, list, triangle, attribute, total}, bytes_per_triangle; cuts[] (--sweep cuts): file, mesh, criterion (surface,
+pixels, pixels+colour), pixels, colour, distance, triangles, reference_triangles, asked (collapses and blocks of them),
+selection_ns_median, selection_ns_p95 (one core), device_selection_ns_median (its time stamps), bound_pixels (no detail that
+faces the eye is displaced by more), displaced {pixels, mean, p99, max} (as measured), compared_pixels, flip_mean, flip_max
+(against the reference, both unlit); equal_flip[]: file, mesh, distance, pixels, flip, triangles, and those that give the same
+FLIP by other criteria: surface, colours[] {colour, triangles}, null where no limit gives it; outputs[]; warnings[].
 
 Examples:
   invertex profile built.glb
   invertex profile built.glb -o report/ --sweep hash,layout        HTML with plots, heat maps as PNG
   invertex profile built.glb --sweep distance --path forward       frame time by distance, all levels of detail
+  invertex profile mrm.glb -o report/ --sweep cuts --distances 1,4      triangles over FLIP by what decides them
+  invertex profile mrm.glb --sweep cuts --pixels .5,1,2 --colours 1,5   (mrm.glb: of `build --mrm`)
   invertex profile built.glb --mesh Hose_low --lod 2 --trace hose.json --frames 500
   invertex profile built.glb --device cpu --size 256 --json
   invertex profile *.glb --table1                                  memory by table, nothing is drawn")]
@@ -86,7 +94,8 @@ pub(super) struct Profile {
     #[arg(long, value_name = "N", default_value_t = 1024)]
     bake_size: u32,
     /// More rows: hash (the tables at other resolutions), layout (packed beside classic), lod (every level), distance (every
-    /// level by distance), filter (one point a pixel, five, the footprint).
+    /// level by distance), filter (one point a pixel, five, the footprint), cuts (of a multiresolution model: triangles,
+    /// selection, bounds and FLIP for every limit, by what decides).
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     sweep: Vec<SweepChoice>,
     /// Resolutions of --sweep hash.
@@ -97,7 +106,7 @@ pub(super) struct Profile {
         default_value = "128,256,512,1024"
     )]
     hashes: Vec<u32>,
-    /// Distances of --sweep distance; at 1 the model fills the view.
+    /// Distances of --sweep distance and cuts; at 1 the model fills the view.
     #[arg(
         long,
         value_delimiter = ',',
@@ -105,6 +114,23 @@ pub(super) struct Profile {
         default_value = "1,2,4,8,16"
     )]
     distances: Vec<f64>,
+    /// Limits in pixels of --sweep cuts. Default: 0.0625 to 8 by factors of two.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "X,..",
+        allow_hyphen_values = true
+    )]
+    pixels: Option<Vec<f64>>,
+    /// Limits in colour of --sweep cuts, each beside all limits in pixels. Default: 2,5 where the model knows what colours are
+    /// off by.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "Y,..",
+        allow_hyphen_values = true
+    )]
+    colours: Option<Vec<f64>>,
     /// Only the memory of the tables; nothing is drawn.
     #[arg(long, conflicts_with_all = ["sweep", "trace", "output", "lod"])]
     table1: bool,
@@ -114,44 +140,6 @@ pub(super) struct Profile {
     /// Write an HTML page and heat maps into this folder; made if it is missing.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-}
-
-/// A [`Sweep`], as a flag's value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum SweepChoice {
-    Hash,
-    Layout,
-    Lod,
-    Distance,
-    Filter,
-}
-
-impl From<SweepChoice> for Sweep {
-    fn from(choice: SweepChoice) -> Self {
-        match choice {
-            SweepChoice::Hash => Sweep::Hash,
-            SweepChoice::Layout => Sweep::Layout,
-            SweepChoice::Lod => Sweep::Lod,
-            SweepChoice::Distance => Sweep::Distance,
-            SweepChoice::Filter => Sweep::Filter,
-        }
-    }
-}
-
-/// Everything a profile found.
-#[derive(Serialize)]
-pub(super) struct Report {
-    pub(super) device: String,
-    pub(super) clock: Option<Clock>,
-    pub(super) path: &'static str,
-    pub(super) shading: &'static str,
-    pub(super) size: [u32; 2],
-    pub(super) frames: u32,
-    pub(super) warm_up: u32,
-    pub(super) runs: Vec<Run>,
-    pub(super) memory: Vec<MemoryRow>,
-    pub(super) outputs: Vec<String>,
-    pub(super) warnings: Vec<String>,
 }
 
 impl Profile {
@@ -174,12 +162,13 @@ impl Profile {
         let mut report = self.report(&device, &bench, memory);
         self.measure(common, &bench, models, &mut report)?;
         device.check();
-        self.remark(common, &report);
+        report.remark(common);
         self.write(&mut report)?;
         if common.json {
             return print::json(&report);
         }
-        print::text(&profile_table::runs(report.runs.iter()).text())
+        print::text(&profile_table::runs(report.runs.iter()).text())?;
+        print::text(&profile_cuts::text(&report))
     }
 
     /// Everything that can be said before a model is read.
@@ -189,6 +178,9 @@ impl Profile {
                 let reason = format!("{hash} is not a power of two from 4 to 8192");
                 return Err(bad_option("--hashes", reason));
             }
+        }
+        for (option, limits) in [("--pixels", &self.pixels), ("--colours", &self.colours)] {
+            profile_cuts::check(option, limits.as_deref().unwrap_or_default())?;
         }
         if let Some(bad) = self.distances.iter().find(|d| !(0.01..=1e4).contains(*d)) {
             return Err(bad_option(
@@ -214,7 +206,13 @@ impl Profile {
 
     fn load(&self) -> Result<Vec<(String, Built)>> {
         let built = |path: &PathBuf| match Model::load(path)? {
-            Model::Built(built) => Ok((path.display().to_string(), *built)),
+            Model::Built(built) => {
+                let file = path.display().to_string();
+                if self.sweep.contains(&SweepChoice::Cuts) {
+                    profile_cuts::check_model(&file, &built, self.colours.is_some())?;
+                }
+                Ok((file, *built))
+            }
             Model::Plain(_) => {
                 let reason = "this model has no inverse textures; run `invertex build` first";
                 Err(Error::input(
@@ -259,6 +257,8 @@ impl Profile {
             warm_up: self.warm_up,
             runs: Vec::new(),
             memory,
+            cuts: Vec::new(),
+            equal_flip: Vec::new(),
             outputs: Vec::new(),
             warnings: Vec::new(),
         }
@@ -282,11 +282,28 @@ impl Profile {
                     bar.at(&what, done as u64, drawings.len() as u64);
                     report.runs.extend(bench.runs(&sitter, drawing)?);
                 }
+                if let Some(ranges) = self.cut_ranges() {
+                    let at = |done: usize, of: usize| {
+                        bar.at(&format!("{mesh}: cuts"), done as u64, of as u64);
+                    };
+                    report.cuts.extend(bench.cuts(&sitter, &ranges, &at)?);
+                }
                 report.warnings.extend(sitter.warnings);
             }
         }
         report.clock = report.runs.first().map(|run| run.clock);
+        report.equal_flip = at_equal_flip(&report.cuts);
         Ok(())
+    }
+
+    /// What cuts are made within, where they are asked for.
+    fn cut_ranges(&self) -> Option<CutRanges> {
+        let usual = CutRanges::default();
+        self.sweep.contains(&SweepChoice::Cuts).then(|| CutRanges {
+            pixels: self.pixels.clone().unwrap_or(usual.pixels),
+            colours: self.colours.clone().unwrap_or(usual.colours),
+            distances: self.distances.clone(),
+        })
     }
 
     /// What is drawn of a file: each mesh alone, then, of several, the whole.
@@ -325,32 +342,13 @@ impl Profile {
             }
             None => level_near(&sitter.built, SHARE),
         };
-        let sweeps: Vec<Sweep> = self.sweep.iter().map(|&choice| choice.into()).collect();
+        let sweeps = self.sweep.iter().filter_map(|choice| choice.sweep());
+        let sweeps: Vec<Sweep> = sweeps.collect();
         let ranges = Ranges {
             hashes: self.hashes.clone(),
             distances: self.distances.clone(),
         };
         Ok(plan(&sitter.built, level, &sweeps, &ranges))
-    }
-
-    /// What a reader of the numbers should know.
-    fn remark(&self, common: &Common, report: &Report) {
-        for warning in &report.warnings {
-            note(common, warning);
-        }
-        if report.clock == Some(Clock::Wall) {
-            let text = "times are the host's wall clock, not a device's time stamps";
-            note(common, text);
-        }
-        let fewest = report.runs.iter().map(|run| run.frames).min().unwrap_or(0);
-        if fewest < report.frames as usize {
-            let text = format!(
-                "{fewest} frames of some rows instead of {}: they would have taken more than a second; --frames N \
-                 draws N whatever they take",
-                report.frames
-            );
-            note(common, &text);
-        }
     }
 
     fn write(&self, report: &mut Report) -> Result<()> {

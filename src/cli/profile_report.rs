@@ -9,8 +9,8 @@ use invertex::output::report::{
 };
 use invertex::output::{encode_png, heat_map, write_bytes};
 
-use super::profile::Report;
-use super::profile_table as table;
+use super::profile_found::Report;
+use super::{profile_cuts, profile_table as table};
 
 /// What a section's heading says already.
 const SAID: [&str; 3] = ["mesh", "distance", "frames"];
@@ -27,6 +27,8 @@ pub(super) fn write(folder: &Path, report: &Report) -> Result<Vec<String>> {
         })?;
         sections.push(section);
         sections.extend(sweeps(&subject));
+        let of = (subject.file, subject.mesh);
+        sections.extend(profile_cuts::section(report, of));
     }
     sections.push(Section {
         heading: "Memory".to_owned(),

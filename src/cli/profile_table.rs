@@ -7,8 +7,8 @@ use super::print::{self, thousands};
 
 /// Headings and rows.
 pub(super) struct Rows {
-    headings: Vec<&'static str>,
-    rows: Vec<Vec<String>>,
+    pub(super) headings: Vec<&'static str>,
+    pub(super) rows: Vec<Vec<String>>,
 }
 
 impl Rows {
@@ -40,7 +40,7 @@ impl Rows {
 }
 
 /// What stands where there is nothing to say.
-const DASH: &str = "–";
+pub(super) const DASH: &str = "–";
 
 /// What was drawn, counted and timed.
 pub(super) fn runs<'a>(runs: impl Iterator<Item = &'a Run>) -> Rows {

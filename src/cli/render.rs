@@ -32,7 +32,7 @@ const NO_FILTER: &str =
 A camera file: {\"width\": W, \"height\": H, \"views\": [{\"name\": \"front.png\", \"view\": [[4x4, row-major, world to
 camera, which looks down -Z, +Y up]], \"projection_vulkan\": [[4x4, clip z 0..1, y down]]}, ..]}
 
-JSON: device, animation (its name), attribute, images[]: path, time (seconds into the animation), width, height, lod, cut {pixels, colour, asked, changed, selection_ms} (with a multiresolution model), leaving {lod, share} (while --blend goes on), triangles,
+JSON: device, animation (its name), attribute, images[]: path, time (seconds into the animation), width, height, lod, cut {pixels, colour, surface, bound_pixels (no detail that faces the eye is displaced by more), asked, changed, selection_ms} (with a multiresolution model), leaving {lod, share} (while --blend goes on), triangles,
 covered_pixels, mean_fetches, prefiltered_pixels (with --shader-lod: shown without a lookup), sha256 (of the file), passes[] (nanoseconds of each); warnings[].
 
 EXR layers with --aov: triangle.id (of the reference, in its own mesh; -1 outside), barycentric.x .y .z, fetches.count,
@@ -70,7 +70,8 @@ pub(super) struct Render {
     path: DrawPath,
     /// The level of detail: N (0 is the reference's own geometry), triangles:N (the finest with at most N), or pixels:X
     /// (the coarsest that deviates less than X pixels; of a model made with `build --mrm` the triangles that this view needs,
-    /// of any age), with ,colour:Y where they may move farther if no colour changes by more. Default: 1 where LoDs are drawn.
+    /// of any age), with ,colour:Y where they may move farther if no colour changes by more; surface:X where only the surface must keep its
+    /// place, whatever the texture does. Default: 1 where LoDs are drawn.
     #[arg(long, value_name = "LEVEL", allow_hyphen_values = true)]
     lod: Option<LodChoice>,
     /// How light falls.
@@ -214,7 +215,10 @@ impl Render {
             return Err(bad_option("--samples", reason));
         }
         self.check_shader_lod()?;
-        let switches = matches!(self.lod, Some(LodChoice::Pixels { .. }));
+        let switches = matches!(
+            self.lod,
+            Some(LodChoice::Pixels { .. } | LodChoice::Surface(_))
+        );
         let coloured = !matches!(self.mode, Mode::Normals | Mode::Fetches);
         self.motion.check_blend(switches, coloured)?;
         if let Some(camera) = &self.camera {

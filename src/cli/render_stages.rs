@@ -35,6 +35,10 @@ pub(super) struct CutReport {
     pub(super) pixels: f64,
     /// Its limit in colour.
     pub(super) colour: Option<f64>,
+    /// Whether the pixels limit the surface alone.
+    pub(super) surface: bool,
+    /// Pixels that nothing that faces the eye is displaced by more than; null where the eye stands too near to say.
+    pub(super) bound_pixels: f64,
     /// Collapses and blocks of them that were asked.
     pub(super) asked: usize,
     /// Triangles that the cut before did not have.
@@ -85,14 +89,19 @@ impl<'a> Stages<'a> {
 
     /// What a model must have for the limits that are asked for.
     pub(super) fn check_cuts(&self, lod: Option<LodChoice>, blend: u32) -> Result<()> {
-        let Some(LodChoice::Pixels { colour, .. }) = lod else {
-            return Ok(());
+        let (colour, surface) = match lod {
+            Some(LodChoice::Pixels { colour, .. }) => (colour.is_some(), false),
+            Some(LodChoice::Surface(_)) => (false, true),
+            _ => return Ok(()),
         };
         let reason = match &self.cutter {
-            None if colour.is_some() => {
+            None if colour => {
                 "colour: this model has no multiresolution model; build it with --mrm"
             }
-            Some(cutter) if colour.is_some() && !cutter.knows_colours() => {
+            None if surface => {
+                "surface: this model has no multiresolution model; build it with --mrm"
+            }
+            Some(cutter) if colour && !cutter.knows_colours() => {
                 "colour: the model does not know what colours are off by (no texture, or --mrm=geometry); give pixels:X alone"
             }
             Some(_) if blend > 0 => {
@@ -174,6 +183,8 @@ impl<'a> Stages<'a> {
             cut: Some(CutReport {
                 pixels: limits.pixels,
                 colour: limits.colour,
+                surface: limits.surface,
+                bound_pixels: cuts.displacement,
                 asked: cuts.asked,
                 changed: cuts.changed,
                 selection_ms: cuts.milliseconds,

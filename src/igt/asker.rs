@@ -1,5 +1,6 @@
 //! Who asks: what a lookup prefers among several answers, and as which word shaders get it.
 
+use crate::lod::Lod;
 use crate::param::projection::{self, GridTriangle, Line};
 
 /// What a lookup prefers among several answers. `None::<u8>` or a layer alone convert to it.
@@ -10,7 +11,8 @@ pub struct Asker {
     /// The sense in which projection lines meet the LoD triangle ([`projection::orientation`]); 0 for any.
     pub side: i32,
     /// Projection lines run along the LoD triangle ([`projection::is_grazed`]): a small deviation moves the hit far away,
-    /// or to the wall behind. The nearest point is then the better answer, where it may be given.
+    /// or to the wall behind. The nearest point is then the better answer, where it may be given, and nothing is known of
+    /// where the line would have led ([`Lod::bounded`]).
     pub grazed: bool,
 }
 
@@ -47,6 +49,16 @@ impl Asker {
             grazed: projection::is_grazed(line, corners),
         }
     }
+
+    /// Who asks for the fragments of triangle `t` of `lod`.
+    pub fn of_lod(line: Line, lod: &Lod, t: usize) -> Self {
+        let corners = lod.triangles[t].map(|v| lod.t3[v as usize]);
+        let asker = Asker::of(line, &corners, lod.triangle_layer.get(t).copied());
+        Asker {
+            grazed: asker.grazed && !lod.bounded,
+            ..asker
+        }
+    }
 }
 
 impl From<Option<u8>> for Asker {
@@ -64,13 +76,10 @@ const SIDE_FRONT: u32 = 1 << 8;
 const SIDE_BACK: u32 = 1 << 9;
 const GRAZED: u32 = 1 << 10;
 
-/// For each triangle of a LoD the [`Asker::word`] its fragments ask with; T3 on the vertex grid.
-pub fn askers(line: Line, t3: &[[i32; 3]], triangles: &[[u32; 3]], layers: &[u8]) -> Vec<u32> {
-    let asker = |(triangle, &layer): (&[u32; 3], &u8)| {
-        let corners = triangle.map(|v| t3[v as usize]);
-        Asker::of(line, &corners, Some(layer)).word()
-    };
-    triangles.iter().zip(layers).map(asker).collect()
+/// For each triangle of a LoD the [`Asker::word`] its fragments ask with.
+pub fn askers(line: Line, lod: &Lod) -> Vec<u32> {
+    let asker = |t| Asker::of_lod(line, lod, t).word();
+    (0..lod.triangles.len()).map(asker).collect()
 }
 
 #[cfg(test)]
@@ -96,5 +105,20 @@ mod tests {
             None,
             "no layer whatever else is said"
         );
+    }
+
+    #[test]
+    fn who_knows_a_bound_along_lines_looks_along_them() {
+        // A wall that stands upright over the plane.
+        let lod = |bounded: bool| Lod {
+            t3: vec![[0, 0, 0], [1000, 0, 5], [0, 1, 9000]],
+            triangles: vec![[0, 1, 2]],
+            triangle_layer: vec![3],
+            bounded,
+            ..Lod::default()
+        };
+        let of = |bounded| Asker::of_lod(Line::Parallel, &lod(bounded), 0);
+        assert!(of(false).grazed && !of(true).grazed);
+        assert_eq!((of(true).layer, of(true).side), (Some(3), of(false).side));
     }
 }

@@ -75,6 +75,9 @@ pub struct Lod {
     /// model, by [`Simplifier::Progressive`] a bound of how far any point of the LoD lies from the point of the reference
     /// with the same place in T3.
     pub error: f32,
+    /// Whether `error` is such a bound. It holds for the point that a projection line meets, so that is what a triangle shows,
+    /// however the line grazes it.
+    pub bounded: bool,
     /// Triangles that lie the other way round in T3 than their part of the reference.
     pub turned: u32,
     /// False where the simplifier could not come down to the triangles asked of the whole model (many parts, seams).

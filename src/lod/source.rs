@@ -52,6 +52,7 @@ impl<'a> Source<'a> {
             triangle_layer: triangles.iter().map(layer_of).collect(),
             triangles,
             error: made.iter().map(|t| t.deviation.total).fold(0.0, f32::max),
+            bounded: true,
             ..Lod::default()
         };
         let mut sides = Sides::new();

@@ -8,6 +8,7 @@ use crate::render::{Camera, Rendered};
 use crate::scene::Scene;
 use glam::{DVec3, DVec4};
 use rayon::prelude::*;
+use serde::Serialize;
 
 /// For each pixel its displacement in pixels; none where nothing is, or where the point of the reference turns its back to the
 /// eye: it should not be seen at all.
@@ -46,4 +47,35 @@ pub fn displaced(scene: &Scene, camera: &Camera, image: &Rendered) -> Vec<Option
         Some(x.hypot(y) as f32)
     };
     (0..image.draw.len()).into_par_iter().map(at).collect()
+}
+
+/// What [`displaced`] found in a picture, in pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Displacements {
+    /// Pixels that have a displacement.
+    pub pixels: usize,
+    /// The mean.
+    pub mean: f64,
+    /// 99 % of them are at most this.
+    pub p99: f32,
+    /// The largest.
+    pub max: f32,
+}
+
+impl Displacements {
+    /// Of the pixels of a picture; all zero where none has one.
+    pub fn of(off: &[Option<f32>]) -> Self {
+        let mut known: Vec<f32> = off.iter().flatten().copied().collect();
+        known.sort_unstable_by(f32::total_cmp);
+        let Some(&max) = known.last() else {
+            return Displacements::default();
+        };
+        let sum: f64 = known.iter().map(|&d| f64::from(d)).sum();
+        Displacements {
+            pixels: known.len(),
+            mean: sum / known.len() as f64,
+            p99: known[known.len() * 99 / 100],
+            max,
+        }
+    }
 }

@@ -3,7 +3,9 @@
 //! In: finished pictures, samples of time, or (the profile) a built model. Out: plain serialisable figures.
 
 mod compare;
+mod cuts;
 mod displaced;
+mod equal;
 mod fetches;
 mod flip;
 mod folder;
@@ -19,7 +21,9 @@ mod timing;
 mod trace;
 
 pub use compare::{Comparison, Region, compare, difference_image};
-pub use displaced::displaced;
+pub use cuts::{Criterion, CutRanges, CutRun};
+pub use displaced::{Displacements, displaced};
+pub use equal::{EqualFlip, WithColour, at_equal_flip};
 pub use fetches::{FetchCounts, fetches_of_uv};
 pub use folder::{FolderComparison, PairComparison, compare_folders};
 pub use memory::{MemoryRow, memory};

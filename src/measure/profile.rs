@@ -64,7 +64,7 @@ pub struct Sitter {
     pub built: Built,
     /// What was replaced when its textures were read.
     pub warnings: Vec<String>,
-    attributes: AttributeSet,
+    pub(super) attributes: AttributeSet,
     sphere: ([f64; 3], f64),
 }
 
@@ -279,7 +279,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    fn deferred(&self, picture: Picture) -> Result<Renderer> {
+    pub(super) fn deferred(&self, picture: Picture) -> Result<Renderer> {
         match self.processor {
             Processor::Cpu => Ok(Renderer::cpu(picture)),
             #[cfg(feature = "gpu")]

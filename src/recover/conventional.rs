@@ -144,15 +144,13 @@ impl Baking {
         let centre = at.map(|c| f64::from(c) + 0.5);
         let corners = texel::corners(low, t, self.size);
         let b = |dx: f64, dy: f64| texel::barycentric(&corners, [centre[0] + dx, centre[1] + dy]);
-        let layer = lod.triangle_layer.get(t).copied();
-        let t3 = lod.triangles[t].map(|v| lod.t3[v as usize]);
         Drawn {
             b: b(0.0, 0.0).unwrap_or([1.0, 0.0, 0.0]),
             bx: b(1.0, 0.0),
             by: b(0.0, 1.0),
             local: 0,
             vertex: [0; 3],
-            asker: Asker::of(tables.primary.line(), &t3, layer).word(),
+            asker: Asker::of_lod(tables.primary.line(), lod, t).word(),
         }
     }
 

@@ -104,7 +104,7 @@ impl<'a> OverLod<'a> {
             by: b(0.0, 1.0),
             local: 0,
             vertex: [0; 3],
-            asker: Asker::of(line, &t3, self.lod.triangle_layer.get(t).copied()).word(),
+            asker: Asker::of_lod(line, &self.lod, t).word(),
         };
         let point = inverse_at(&self.built.tables, 0, &t3.map(four), &drawn).point;
         Sample {

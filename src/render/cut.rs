@@ -7,7 +7,7 @@ use super::camera::Camera;
 use super::levels::in_chain;
 use super::stage::Subject;
 use crate::asset::{Built, BuiltMesh};
-use crate::lod::multiresolution::{Hierarchy, Limits, Memory, Seen, View};
+use crate::lod::multiresolution::{Cut, Hierarchy, Limits, Memory, Seen, View};
 use crate::lod::{Lod, LodInput};
 use crate::mesh::{Adjacency, Mesh, Weld};
 use crate::param::{Parts, parts};
@@ -48,6 +48,9 @@ pub struct Cuts {
     pub asked: usize,
     /// Triangles that the cuts before did not have.
     pub changed: usize,
+    /// Pixels that nothing that faces the eye is displaced by more than, as the model knows it: at most the limit where pixels
+    /// alone decide. Infinite where the eye stands in a region that is judged as one.
+    pub displacement: f64,
     /// Milliseconds that the selection took, on all cores; without the making of levels.
     pub milliseconds: f64,
 }
@@ -91,13 +94,7 @@ impl<'a> Cutter<'a> {
     /// [`Error::Option`] for limits that are none, or a mesh that stands where no camera sees it right (a matrix that cannot
     /// be undone).
     pub fn cut(&mut self, camera: &Camera, limits: &Limits) -> Result<Cuts> {
-        limits.check()?;
-        let mut views: Vec<Vec<View>> = vec![Vec::new(); self.meshes.len()];
-        for instance in &self.instances {
-            if let Some(cutting) = &self.meshes[instance.mesh] {
-                views[instance.mesh].push(cutting.view(camera, instance, limits)?);
-            }
-        }
+        let views = self.views(camera, limits)?;
         let start = Instant::now();
         let cuts: Vec<_> = self
             .meshes
@@ -113,6 +110,7 @@ impl<'a> Cutter<'a> {
         let cut = cuts.iter().flatten();
         let (triangles, asked) =
             cut.fold((0, 0), |(t, a), cut| (t + cut.faces.len(), a + cut.asked));
+        let displacement = self.displacement(&views, &cuts);
         let lods = self.meshes.par_iter().zip(&cuts).map(|(cutting, cut)| {
             let (cutting, cut) = cutting.as_ref().zip(cut.as_ref())?;
             Some(cutting.hierarchy.lod(&cutting.input(), cut))
@@ -134,8 +132,33 @@ impl<'a> Cutter<'a> {
             triangles,
             asked,
             changed,
+            displacement,
             milliseconds,
         })
+    }
+
+    /// For each mesh of the scene how its instances are seen; none of a mesh without a multiresolution model.
+    ///
+    /// # Errors
+    /// As [`Cutter::cut`].
+    pub fn views(&self, camera: &Camera, limits: &Limits) -> Result<Vec<Vec<View>>> {
+        limits.check()?;
+        let mut views: Vec<Vec<View>> = vec![Vec::new(); self.meshes.len()];
+        for instance in &self.instances {
+            if let Some(cutting) = &self.meshes[instance.mesh] {
+                views[instance.mesh].push(cutting.view(camera, instance, limits)?);
+            }
+        }
+        Ok(views)
+    }
+
+    fn displacement(&self, views: &[Vec<View>], cuts: &[Option<Cut>]) -> f64 {
+        let meshes = self.meshes.par_iter().zip(views).zip(cuts);
+        let of_mesh = meshes.map(|((cutting, views), cut)| match (cutting, cut) {
+            (Some(cutting), Some(cut)) => cutting.hierarchy.model.displacement(views, cut),
+            _ => 0.0,
+        });
+        of_mesh.reduce(|| 0.0, f64::max)
     }
 
     /// What each mesh is drawn with: its cut, or the chain's level where it has none.

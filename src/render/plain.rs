@@ -23,8 +23,7 @@ pub(crate) fn mesh(reference: &Mesh, lod: &Lod, tables: &Tables) -> Mesh {
     out.uv_sets = vec![Vec::new(); reference.uv_sets.len()];
     for (t, triangle) in lod.triangles.iter().enumerate() {
         let corners = triangle.map(|v| lod.t3[v as usize]);
-        let layer = lod.triangle_layer.get(t).copied();
-        let asker = Asker::of(tables.primary.line(), &corners, layer);
+        let asker = Asker::of_lod(tables.primary.line(), lod, t);
         let first = out.positions.len() as u32;
         out.triangles.push([first, first + 1, first + 2]);
         let found = [0, 1, 2].map(|k| tables.lookup(pulled(&corners, k), asker, true));

@@ -206,7 +206,7 @@ impl Staging {
             &positions,
             &lod.triangles,
             &lod.t3,
-            &askers(line, &lod.t3, &lod.triangles, &lod.triangle_layer),
+            &askers(line, &lod),
             lod.error,
         )?;
         let geometry = self.turned(geometry, &turning)?;

@@ -13,7 +13,7 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 
 pub(crate) mod found;
-mod sampled;
+pub(crate) mod sampled;
 
 /// A mesh and what answers for it.
 pub(crate) struct Model {
@@ -99,7 +99,7 @@ impl Model {
     }
 
     /// The reference's triangle and barycentric coordinates at a point of a simplified triangle, or of its plane.
-    fn shown(&self, made: &Made, b: [f64; 3]) -> Option<(u32, [f64; 3])> {
+    pub(crate) fn shown(&self, made: &Made, b: [f64; 3]) -> Option<(u32, [f64; 3])> {
         let corners = made.corners.map(|v| {
             let t3 = self.primary.t3_of(&self.mesh, v as usize);
             self.primary.to_grid(t3)

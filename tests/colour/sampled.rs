@@ -61,6 +61,26 @@ pub(crate) fn largest(
     seen
 }
 
+/// At one point of a triangle, for each level: how much the colour of what is shown there differs from the one shown where,
+/// seen along the triangle's normal, it belongs. None where the reference has no such point.
+pub(crate) fn differences(
+    model: &Model,
+    colours: &Colours<'_>,
+    deviations: &ColourDeviations,
+    distance: Distance,
+    (made, at): (&Made, [f64; 3]),
+) -> Option<Vec<f64>> {
+    let sampling = Sampling {
+        model,
+        colours,
+        deviations,
+        distance,
+        made,
+        corners: made.corners.map(|v| model.position(v)),
+    };
+    sampling.at(at)
+}
+
 /// Points of a way that are looked at.
 const STEPS: u32 = 8;
 

@@ -92,7 +92,7 @@ pub(crate) fn picture(all: &[&Inverse]) -> Picture {
                 &lod.positions,
                 &lod.triangles,
                 &lod.t3,
-                &askers(line, &lod.t3, &lod.triangles, &lod.triangle_layer),
+                &askers(line, lod),
                 lod.error,
             )
             .unwrap();

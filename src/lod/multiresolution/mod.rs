@@ -28,6 +28,7 @@ mod colour;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod hierarchy;
+mod limits;
 mod node;
 mod select;
 mod tree;
@@ -36,8 +37,9 @@ mod view;
 pub use bound::Bound;
 pub use colour::{Colours, StepColours, decoded, encoded};
 pub use hierarchy::Hierarchy;
+pub use limits::Limits;
 pub use select::{Cut, Memory};
-pub use view::{Limits, MAX_LEVELS, Seen, View};
+pub use view::{MAX_LEVELS, Seen, View};
 
 use super::progressive::Progressive;
 use crate::error::Result;

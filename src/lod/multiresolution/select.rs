@@ -59,6 +59,23 @@ impl Multiresolution {
         Cut { faces, asked }
     }
 
+    /// Pixels that no point of `cut` is displaced by more than in any of `views`, but for what turns its back to the eye: the
+    /// largest of what its triangles' collapses say, at most the limit in pixels where that alone decides. Infinite where a
+    /// region reaches to the eye.
+    pub fn displacement(&self, views: &[View], cut: &Cut) -> f64 {
+        let made = |&f: &u32| match self.faces[f as usize].made {
+            NEVER => None,
+            n => Some(&self.levels[0][n as usize]),
+        };
+        let of = |bound| {
+            views
+                .iter()
+                .filter_map(move |view| view.displacement(bound))
+        };
+        let all = cut.faces.iter().filter_map(made).flat_map(of);
+        all.fold(0.0, f64::max)
+    }
+
     /// The triangles of node `n`.
     fn faces_of(&self, n: usize) -> std::ops::Range<u32> {
         let nodes = &self.levels[0];

@@ -18,6 +18,7 @@
 //! Nothing here divides or takes a root, so that processors agree to the bit. Source: Schilling and Klein, Texture-dependent
 //! refinement of multiresolution meshes, section 5 and figure 4.
 
+use super::Limits;
 use super::bound::{Bound, NORMAL_STEPS};
 use crate::error::{Error, Result};
 use bytemuck::{Pod, Zeroable};
@@ -39,54 +40,6 @@ pub struct Seen {
     pub double_sided: bool,
 }
 
-/// What a picture may be off by.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Displacement of any point on the screen, in pixels.
-    pub pixels: f64,
-    /// Difference of colour, in the unit of the model's colour deviations; none judges by pixels alone.
-    pub colour: Option<f64>,
-    /// What is finer becomes coarser only below this share of the limits, between 0 and 1: at 1 there is no hysteresis.
-    pub hysteresis: f64,
-    /// Whether what no pixel shows stays fine (the paper's way: the camera may turn fast) or may be as coarse as can be.
-    pub outside: bool,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Limits {
-            pixels: 0.5,
-            colour: None,
-            hysteresis: 1.0,
-            outside: true,
-        }
-    }
-}
-
-impl Limits {
-    /// Whether the numbers are ones that a picture can be off by.
-    ///
-    /// # Errors
-    /// [`Error::Option`] naming `--lod` for a limit that is negative or not a number, or a hysteresis outside of 0 to 1.
-    pub fn check(&self) -> Result<()> {
-        let wrong = |reason: String| Error::Option {
-            option: "--lod",
-            reason,
-        };
-        for (name, limit) in [("pixels", Some(self.pixels)), ("colour", self.colour)] {
-            if let Some(limit) = limit.filter(|x| !(x.is_finite() && *x >= 0.0)) {
-                return Err(wrong(format!(
-                    "{name}:{limit} is no limit; 0 or more, such as {name}:0.5"
-                )));
-            }
-        }
-        match self.hysteresis {
-            h if h > 0.0 && h <= 1.0 => Ok(()),
-            h => Err(wrong(format!("hysteresis {h} is not above 0 and up to 1"))),
-        }
-    }
-}
-
 /// A view as a shader reads it, in units of the model's. Where a number has two values the first is the limit for what becomes
 /// coarser, the second for what is that coarse already.
 #[repr(C)]
@@ -95,7 +48,7 @@ pub struct View {
     /// The eye; in a parallel projection the direction that is looked along.
     pub eye: [f32; 3],
     /// 1: perspective; 2: back sides are seen; 4: angles count (no uneven scaling); 8: colours count; 16: what is outside of
-    /// the picture is judged by its place alone.
+    /// the picture is judged by its place alone; 32: only normal parts of deviations count.
     pub flags: u32,
     /// The depth of a point is this times its place relative to the eye.
     pub forward: [f32; 3],
@@ -121,6 +74,7 @@ const DOUBLE_SIDED: u32 = 2;
 const ANGLES: u32 = 4;
 const COLOURS: u32 = 8;
 const OUTSIDE_IS_COARSE: u32 = 16;
+const SURFACE_ALONE: u32 = 32;
 
 /// Which of two limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -184,7 +138,8 @@ impl View {
                 | flag(seen.double_sided, DOUBLE_SIDED)
                 | flag(stretch.is_even(), ANGLES)
                 | flag(limits.colour.is_some() && levels > 0, COLOURS)
-                | flag(!limits.outside, OUTSIDE_IS_COARSE),
+                | flag(!limits.outside, OUTSIDE_IS_COARSE)
+                | flag(limits.surface, SURFACE_ALONE),
             forward: forward.as_vec3().to_array(),
             by_distance: up(by_distance),
             by_depth: up(pixels * stretch.most * stretch.most),
@@ -205,7 +160,11 @@ impl View {
             return true;
         }
         let pixels = self.pixels[limit as usize];
-        if self.within(&place, bound.total, pixels) {
+        let displaced = match self.flags & SURFACE_ALONE {
+            0 => bound.total,
+            _ => bound.normal,
+        };
+        if self.within(&place, displaced, pixels) {
             return true;
         }
         if self.flags & COLOURS == 0 {
@@ -228,6 +187,26 @@ impl View {
         let spans = displacement * self.by_depth;
         let depth = place.depth * place.depth;
         place.depth > 0.0 && spans * spans * place.far <= (pixels * depth) * (pixels * depth)
+    }
+
+    /// Pixels that a point in the region of `bound` is displaced by, at most, whatever the limits; none where no pixel is said to
+    /// show it rightly: it turns its back to the eye, or it is outside of the picture and may be coarse.
+    pub(super) fn displacement(&self, bound: &Bound) -> Option<f64> {
+        let place = Place::of(self, bound);
+        if self.is_outside(bound) || self.is_back(&place, bound.facings()[0]) {
+            return None;
+        }
+        if bound.total == 0.0 {
+            return Some(0.0);
+        }
+        // The two sides of `within`.
+        let [near, far, depth] = [place.near, place.far, place.depth].map(f64::from);
+        let by_distance = f64::from(self.by_distance) / near.sqrt();
+        let by_depth = match depth > 0.0 {
+            true => f64::from(self.by_depth) * far.sqrt() / (depth * depth),
+            false => f64::INFINITY,
+        };
+        Some(f64::from(bound.total) * by_distance.min(by_depth))
     }
 
     /// Whether all of the region turns its back to the eye: the original surface does.
