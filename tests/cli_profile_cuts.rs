@@ -3,9 +3,14 @@
 
 mod cli_support;
 mod glb;
+#[path = "long/mod.rs"]
+mod long;
 mod painted;
 
 use cli_support::{Folder, Run, invertex};
+use invertex::asset::{Built, Model};
+use invertex::lod::multiresolution::Limits;
+use invertex::render::{Camera, Cutter, Projection, reference_sphere};
 use serde_json::Value;
 
 /// Two balls, one with cells and one plain, built as `mrm` says.
@@ -19,21 +24,13 @@ fn built(mrm: &[&str]) -> (Folder, String) {
 }
 
 fn profile(file: &str, more: &[&str]) -> Run {
-    let quick = [
-        "profile",
-        file,
-        "--device",
-        "cpu",
-        "--size",
-        "96",
-        "--frames",
-        "2",
-        "--warm-up",
-        "0",
-        "--bake-size",
-        "64",
-    ];
-    invertex(&[&quick, more].concat())
+    profile_sized(file, "96", more)
+}
+
+fn profile_sized(file: &str, size: &str, more: &[&str]) -> Run {
+    let quick = ["profile", file, "--device", "cpu", "--size", size];
+    let few = ["--frames", "2", "--warm-up", "0", "--bake-size", "64"];
+    invertex(&[&quick[..], &few, more].concat())
 }
 
 const SWEEP: [&str; 6] = [
@@ -144,4 +141,71 @@ fn what_cannot_be_cut_is_said() {
         profile(&geometry, &["--sweep", "cuts", "--pixels", "x"]).code,
         2
     );
+}
+
+/// Triangles of the cut on either side of x = 0: on the plain half, and on the other.
+fn halves(built: &Built, camera: &Camera, colour: Option<f64>) -> [usize; 2] {
+    let limits = Limits {
+        colour,
+        ..Limits::default()
+    };
+    let cuts = Cutter::new(built).unwrap().cut(camera, &limits).unwrap();
+    let lod = cuts.lods[0].as_ref().unwrap();
+    let is_plain = |t: &&[u32; 3]| t.iter().all(|&v| lod.positions[v as usize][0] <= 0.0);
+    let plain = lod.triangles.iter().filter(is_plain).count();
+    [plain, lod.triangles.len() - plain]
+}
+
+/// The colour criterion saves where nothing is to be seen, and there alone; the pictures are as good.
+#[test]
+fn the_plain_half_takes_half_of_the_triangles_or_less() {
+    let folder = Folder::new();
+    let cells = long::count("INVERTEX_CELLS", 64, 128) as u32;
+    let from = folder.write("halves.glb", &painted::halves(cells));
+    let to = folder.at("built.glb");
+    let primary = ["--primary", "uv0", "--mrm=lab", "--device", "cpu"];
+    invertex(&[&["build", &from, "-o", &to][..], &primary].concat()).ok();
+    let size = "1024";
+    let front = ["--view", "0,0", "--distances", "1,2,4", "--json"];
+    let pixels = match long::long() {
+        true => ".0625,.125,.25,.5,1,2,4",
+        false => ".5",
+    };
+    let more = ["--sweep", "cuts", "--colours", "2", "--pixels", pixels];
+    let json = profile_sized(&to, size, &[&front[..], &more].concat());
+    let json = json.ok().json();
+    let Model::Built(built) = Model::load(to.as_ref()).unwrap() else {
+        panic!("it was built");
+    };
+    let (centre, radius) = reference_sphere(&built.scene).unwrap();
+    for distance in [1.0, 2.0, 4.0] {
+        let projection = Projection::Perspective;
+        let size = [1024; 2];
+        let camera =
+            Camera::framed_from(distance, centre, radius, [0.0; 2], projection, size).unwrap();
+        let [plain, rest] = halves(&built, &camera, None);
+        let [saved, kept] = halves(&built, &camera, Some(2.0));
+        let at = |criterion: &str| {
+            let of = |c: &&Value| {
+                c["criterion"] == criterion && c["pixels"] == 0.5 && c["distance"] == distance
+            };
+            json["cuts"].as_array().unwrap().iter().find(of).unwrap()
+        };
+        let flip = ["pixels", "pixels+colour"].map(|criterion| number(at(criterion), "flip_mean"));
+        let numbers = format!(
+            "distance {distance}: plain half {plain} -> {saved}, the other {rest} -> {kept}; FLIP {:.4} -> {:.4}",
+            flip[0], flip[1]
+        );
+        long::proved("half plain", "triangles, .5 px, 2 Delta E", &numbers);
+        for row in json["equal_flip"].as_array().unwrap() {
+            if row["distance"] == distance {
+                long::proved("half plain", "at equal FLIP", &row.to_string());
+            }
+        }
+        // Far away few are needed anyhow, and most of them where the plain half meets the other.
+        let factor = if distance < 4.0 { 2.0 } else { 1.0 };
+        assert!(saved as f64 * factor < plain as f64, "{numbers}");
+        assert!(kept * 10 > rest * 9, "{numbers}");
+        assert!(flip[1] <= flip[0] + 1e-3, "{numbers}");
+    }
 }

@@ -173,11 +173,34 @@ impl Painted {
 
 /// A flat square of `n` x `n` cells in the plane z = 0, side 2, laid out by its own uv.
 pub(crate) fn sheet(n: u32) -> Vec<u8> {
+    hilly(n, |_| 0.0, None)
+}
+
+/// A square of `n` x `n` cells, side 2, full of small hills, laid out by its own uv. Its texture is one colour where x is below
+/// zero, and beyond full of cells that have nothing to do with each other.
+pub(crate) fn halves(n: u32) -> Vec<u8> {
+    let texels = 256;
+    let texture = oblong(texels, texels, |x, y| {
+        let cell = x / 4 + y / 4 * 977;
+        let byte = |k: u32| (cell.wrapping_add(k).wrapping_mul(2_654_435_761) >> 24) as u8;
+        match x * 2 < texels {
+            true => [120, 130, 90],
+            false => [byte(1), byte(2), byte(3)],
+        }
+    });
+    let height = |p: [f32; 2]| (p[0] * 40.0).sin() * (p[1] * 31.0).cos() * 0.01;
+    hilly(n, height, Some(&texture))
+}
+
+fn hilly(n: u32, height: impl Fn([f32; 2]) -> f32, texture: Option<&[u8]>) -> Vec<u8> {
     let mut binary = Binary::default();
     let at = |i: u32| i as f32 / n as f32;
     let all = (0..=n).flat_map(|y| (0..=n).map(move |x| [at(x), at(y)]));
     let uv: Vec<[f32; 2]> = all.collect();
-    let place = |p: &[f32; 2]| [p[0] * 2.0 - 1.0, p[1] * 2.0 - 1.0, 0.0];
+    let place = |p: &[f32; 2]| {
+        let [x, y] = p.map(|c| c * 2.0 - 1.0);
+        [x, y, height([x, y])]
+    };
     let positions: Vec<[f32; 3]> = uv.iter().map(place).collect();
     let cell = |i: u32| {
         let a = i / n * (n + 1) + i % n;
@@ -186,18 +209,33 @@ pub(crate) fn sheet(n: u32) -> Vec<u8> {
     let indices: Vec<u32> = (0..n * n).flat_map(cell).collect();
     let index: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
     let position = binary.floats(&positions);
-    binary.accessors[position]["min"] = json!([-1.0, -1.0, 0.0]);
-    binary.accessors[position]["max"] = json!([1.0, 1.0, 0.0]);
+    let ends = |end: fn(f32, f32) -> f32| {
+        let z = positions.iter().map(|p| p[2]).reduce(end);
+        [end(-1.0, 1.0), end(-1.0, 1.0), z.unwrap()]
+    };
+    binary.accessors[position]["min"] = json!(ends(f32::min));
+    binary.accessors[position]["max"] = json!(ends(f32::max));
     let uv = binary.floats(&uv);
     let index = binary.accessor(&index, 5125, indices.len(), "SCALAR");
-    let primitive =
+    let mut primitive =
         json!({"attributes": {"POSITION": position, "TEXCOORD_0": uv}, "indices": index});
-    let document = json!({
+    let image = texture.map(|png| binary.view(png));
+    if image.is_some() {
+        primitive["material"] = json!(0);
+    }
+    let mut document = json!({
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"name": "sheet", "primitives": [primitive]}],
         "accessors": binary.accessors, "bufferViews": binary.views,
         "buffers": [{"byteLength": binary.bytes.len()}],
     });
+    if let Some(view) = image {
+        document["images"] = json!([{"bufferView": view, "mimeType": "image/png"}]);
+        document["textures"] = json!([{"source": 0}]);
+        document["materials"] = json!([{
+            "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0.0},
+        }]);
+    }
     container(&document.to_string(), &binary.bytes)
 }
 
