@@ -100,6 +100,18 @@ impl Model {
 
     /// The reference's triangle and barycentric coordinates at a point of a simplified triangle, or of its plane.
     pub(crate) fn shown(&self, made: &Made, b: [f64; 3]) -> Option<(u32, [f64; 3])> {
+        let found = self.found(made, b)?;
+        let single = !self.ambiguous.contains(&found.triangle);
+        single.then(|| (found.triangle, found.barycentric.map(f64::from)))
+    }
+
+    /// Whether others lie behind what is shown there.
+    pub(crate) fn is_ambiguous(&self, made: &Made, b: [f64; 3]) -> bool {
+        let found = self.found(made, b);
+        found.is_some_and(|found| self.ambiguous.contains(&found.triangle))
+    }
+
+    fn found(&self, made: &Made, b: [f64; 3]) -> Option<invertex::igt::Found> {
         let corners = made.corners.map(|v| {
             let t3 = self.primary.t3_of(&self.mesh, v as usize);
             self.primary.to_grid(t3)
@@ -110,9 +122,7 @@ impl Model {
             grazed: false,
             ..Asker::of(self.primary.line(), &corners, Some(made.layer))
         };
-        let found = self.tables.lookup(query, asker, false)?;
-        let single = found.hit && !self.ambiguous.contains(&found.triangle);
-        single.then(|| (found.triangle, found.barycentric.map(f64::from)))
+        self.tables.lookup(query, asker, false).filter(|f| f.hit)
     }
 }
 

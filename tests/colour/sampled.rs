@@ -62,7 +62,8 @@ pub(crate) fn largest(
 }
 
 /// At one point of a triangle, for each level: how much the colour of what is shown there differs from the one shown where,
-/// seen along the triangle's normal, it belongs. None where the reference has no such point.
+/// seen along the triangle's normal, it belongs. None where the reference has no such point, or the way there leads over
+/// triangles behind which others lie.
 pub(crate) fn differences(
     model: &Model,
     colours: &Colours<'_>,
@@ -78,7 +79,13 @@ pub(crate) fn differences(
         made,
         corners: made.corners.map(|v| model.position(v)),
     };
-    sampling.at(at)
+    let (_, foot) = sampling.foot(at)?;
+    let ambiguous = (0..=STEPS).any(|k| {
+        let s = f64::from(k) / f64::from(STEPS);
+        let b = [0, 1, 2].map(|k| at[k] + (foot[k] - at[k]) * s);
+        model.is_ambiguous(made, b)
+    });
+    if ambiguous { None } else { sampling.at(at) }
 }
 
 /// Points of a way that are looked at.
@@ -96,6 +103,18 @@ struct Sampling<'a> {
 impl Sampling<'_> {
     /// The deviations at a point of the triangle; none where the reference has no such point, or none at its foot.
     fn at(&self, at: [f64; 3]) -> Option<Vec<f64>> {
+        let ((t, own), foot) = self.foot(at)?;
+        let (other, shares) = self.walked(t, at, foot)?;
+        let at = |k: usize| {
+            let mip = self.mip(t, k);
+            let mine = self.colour(t, own, mip);
+            (mine - self.colour(other, shares, mip)).length()
+        };
+        Some((0..self.deviations.levels).map(at).collect())
+    }
+
+    /// The reference's point, and where on the plane of the triangle its foot is.
+    fn foot(&self, at: [f64; 3]) -> Option<((u32, [f64; 3]), [f64; 3])> {
         let (t, own) = self.model.shown(self.made, at)?;
         let corners = self.model.mesh.triangles[t as usize].map(|v| self.model.position(v));
         let p = corners[0] * own[0] + corners[1] * own[1] + corners[2] * own[2];
@@ -104,14 +123,7 @@ impl Sampling<'_> {
         let share = |from: DVec3, to: DVec3| {
             normal.dot((to - from).cross(p - from)) / normal.length_squared()
         };
-        let foot = [share(b, c), share(c, a), share(a, b)];
-        let (other, shares) = self.walked(t, at, foot)?;
-        let at = |k: usize| {
-            let mip = self.mip(t, k);
-            let mine = self.colour(t, own, mip);
-            (mine - self.colour(other, shares, mip)).length()
-        };
-        Some((0..self.deviations.levels).map(at).collect())
+        Some(((t, own), [share(b, c), share(c, a), share(a, b)]))
     }
 
     /// What is shown at the end of the straight way between two points of the plane, or what counts where the way leaves the
