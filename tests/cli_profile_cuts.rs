@@ -202,8 +202,9 @@ fn the_plain_half_takes_half_of_the_triangles_or_less() {
                 long::proved("half plain", "at equal FLIP", &row.to_string());
             }
         }
-        // Far away few are needed anyhow, and most of them where the plain half meets the other.
-        let factor = if distance < 4.0 { 2.0 } else { 1.0 };
+        // Farther away few are needed anyhow: most of them where the plain half meets the other, since a collapse is as colourful as
+        // all that it depends on.
+        let factor = if distance == 1.0 { 2.0 } else { 1.0 };
         assert!(saved as f64 * factor < plain as f64, "{numbers}");
         assert!(kept * 10 > rest * 9, "{numbers}");
         assert!(flip[1] <= flip[0] + 1e-3, "{numbers}");
