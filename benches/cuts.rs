@@ -17,7 +17,7 @@ use invertex::gpu::Context;
 use invertex::lod::LodInput;
 use invertex::lod::multiresolution::gpu::Selector;
 use invertex::lod::multiresolution::{Face, Limits, Memory, Multiresolution, Seen, View};
-use invertex::lod::progressive::Progressive;
+use invertex::lod::progressive::{Cost, Progressive};
 use invertex::mesh::Mesh;
 use invertex::param::{PrimaryRequest, parameterize, parts};
 use invertex::scene::Scene;
@@ -85,7 +85,7 @@ fn history(mesh: &Mesh, primary: &str) -> Result<(Mesh, Progressive), Failure> {
         parts: &parts(&open, &chosen.primary),
         world: glam::Mat4::IDENTITY.to_cols_array_2d(),
     };
-    let history = Progressive::new(&input, 4)?;
+    let history = Progressive::new(&input, Cost::Displacement, 4);
     Ok((open, history))
 }
 

@@ -3,6 +3,7 @@
 //! ```text
 //! cargo bench --bench progressive -- MODEL.glb [MODEL.glb ...]                    the whole history
 //! cargo bench --bench progressive -- MODEL.glb --primary uv0 --fraction 0.05     another primary, another count
+//! cargo bench --bench progressive -- MODEL.glb --cost quadric                     the surface alone decides the order
 //! ```
 //!
 //! In: models, each of which is simplified mesh by mesh. Out: for ours the triangles removed a second (deviations of all new
@@ -14,7 +15,7 @@ mod shared;
 use clap::Parser;
 use invertex::lod::LodInput;
 use invertex::lod::deviation::deviation;
-use invertex::lod::progressive::Progressive;
+use invertex::lod::progressive::{Cost, Progressive};
 use invertex::mesh::Mesh;
 use invertex::param::{PrimaryRequest, parameterize, parts};
 use invertex::scene::Scene;
@@ -33,12 +34,30 @@ struct Arguments {
     /// Of the triangles, what is left.
     #[arg(long, default_value_t = 0.02)]
     fraction: f64,
+    /// What a collapse costs.
+    #[arg(long, value_enum, default_value_t = By::Displacement)]
+    cost: By,
     /// Timed runs.
     #[arg(long, default_value_t = 3)]
     runs: usize,
     /// What `cargo bench` adds.
     #[arg(long, hide = true)]
     bench: bool,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum By {
+    Displacement,
+    Quadric,
+}
+
+impl From<By> for Cost {
+    fn from(by: By) -> Self {
+        match by {
+            By::Displacement => Cost::Displacement,
+            By::Quadric => Cost::Quadric,
+        }
+    }
 }
 
 /// The median milliseconds of `work`, and its last result.
@@ -88,8 +107,9 @@ fn report(mesh: &Mesh, arguments: &Arguments) -> Result<(), Failure> {
         world: glam::Mat4::IDENTITY.to_cols_array_2d(),
     };
     let target = (mesh.triangles.len() as f64 * arguments.fraction) as usize;
-    let (ms, progressive) = time(arguments.runs, || Progressive::new(&input, target));
-    let progressive = progressive?;
+    let (ms, progressive) = time(arguments.runs, || {
+        Progressive::new(&input, arguments.cost.into(), target)
+    });
     let last: Vec<_> = progressive.after(progressive.collapses.len()).collect();
     let bound = last.iter().map(|t| t.deviation.total).fold(0.0, f32::max);
     let ours: Vec<[u32; 3]> = last.iter().map(|t| t.corners).collect();

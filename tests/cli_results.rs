@@ -80,6 +80,13 @@ fn progressive_levels_say_how_far_detail_is_displaced() {
         );
     }
     assert!(number(&lods[0]["deviation_bound"]) < number(&lods[1]["deviation_bound"]));
+    // By the surface alone: a bound all the same.
+    let quadric = ["--simplifier", "progressive:quadric", "--lods", "0.2"];
+    let json = invertex(&[&arguments[..], &quadric[..]].concat())
+        .ok()
+        .json();
+    let lod = &json["meshes"][0]["lods"][0];
+    assert!(number(&lod["deviation_max"]) <= number(&lod["deviation_bound"]));
     let wrong = ["--simplifier", "magic"];
     assert_eq!(invertex(&[&arguments[..], &wrong[..]].concat()).code, 2);
 }

@@ -225,6 +225,7 @@ fn no_sample_lies_above_the_bound_and_the_bound_is_met() {
             let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
             // A bound a tenth lower would not hold.
             let holds = found.above == 0 && (found.near > 0 || tight == 0.0);
+            let holds = holds && found.steeper == 0 && found.steep > 0;
             let near = share(found.met, found.known) >= met
                 && share(found.tight, found.triangles) >= tight;
             if !(holds && near) {

@@ -7,21 +7,21 @@ use camera::{looking, perspective};
 use glam::DVec3;
 use invertex::lod::multiresolution::{Hierarchy, Limits, Memory, Seen, StepColours};
 use invertex::lod::progressive::colour::Distance;
-use invertex::lod::progressive::{Deviation, Progressive, Steps};
+use invertex::lod::progressive::{Cost, Deviation, Progressive, Steps};
 use invertex::mesh::shapes;
 use invertex::param::{Axis, PrimaryKind};
 use parted::Model;
 
 fn sphere() -> (Model, Progressive) {
     let model = Model::new(shapes::icosphere(3), PrimaryKind::Sphere);
-    let history = Progressive::new(&model.input(), 4).unwrap();
+    let history = Progressive::new(&model.input(), Cost::Displacement, 4);
     (model, history)
 }
 
 #[test]
 fn steps_make_the_history_again() {
     let tube = Model::new(shapes::tube(24, 12), PrimaryKind::UvSet(0));
-    let of_tube = Progressive::new(&tube.input(), 4).unwrap();
+    let of_tube = Progressive::new(&tube.input(), Cost::Displacement, 4);
     for (model, history) in [sphere(), (tube, of_tube)] {
         let again = Progressive::replay(&model.input(), &history.steps()).unwrap();
         assert_eq!(again.triangles, history.triangles);
@@ -156,7 +156,7 @@ fn colours_let_the_plain_half_be_coarse() {
         ];
     }
     let model = Model::new(sheet, PrimaryKind::Plane(Axis::Z));
-    let history = Progressive::new(&model.input(), 4).unwrap();
+    let history = Progressive::new(&model.input(), Cost::Displacement, 4);
     let side = |v: u32| model.mesh.positions[v as usize][0];
     let is_plain = |corners: [u32; 3]| corners.iter().all(|&v| side(v) <= 0.0);
     let mut codes = vec![[0u8; 2]; history.collapses.len() * 2];
@@ -202,7 +202,7 @@ fn the_surface_alone_lets_its_texture_go() {
         uv[0] *= uv[0];
     }
     let model = Model::new(sheet, PrimaryKind::UvSet(0));
-    let history = Progressive::new(&model.input(), 4).unwrap();
+    let history = Progressive::new(&model.input(), Cost::Displacement, 4);
     let coarsest = history.after(history.collapses.len()).count();
     let cuts = Hierarchy::new(history, &model.mesh.positions, None).model;
     let cut = |surface: bool| {

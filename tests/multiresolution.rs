@@ -7,7 +7,7 @@ mod parted;
 use camera::{looking, parallel, perspective};
 use glam::{DMat4, DVec3, DVec4};
 use invertex::lod::multiresolution::{Cut, Limits, Memory, Multiresolution, NEVER, Seen};
-use invertex::lod::progressive::Progressive;
+use invertex::lod::progressive::{Cost, Progressive};
 use invertex::mesh::{Mesh, shapes};
 use invertex::param::{Axis, PrimaryKind, projection};
 use parted::Model;
@@ -22,7 +22,7 @@ struct Subject {
 impl Subject {
     fn new(mesh: Mesh, kind: PrimaryKind) -> Self {
         let model = Model::new(mesh, kind);
-        let history = Progressive::new(&model.input(), 4).unwrap();
+        let history = Progressive::new(&model.input(), Cost::Displacement, 4);
         let cuts = Multiresolution::new(&history, &model.mesh.positions, None);
         Subject {
             model,

@@ -12,8 +12,8 @@ use invertex::lod::multiresolution::gpu::{MOST_VIEWS, Selector};
 use invertex::lod::multiresolution::{
     Hierarchy, Limits, Memory, Multiresolution, Seen, StepColours, View,
 };
-use invertex::lod::progressive::Progressive;
 use invertex::lod::progressive::colour::Distance;
+use invertex::lod::progressive::{Cost, Progressive};
 use invertex::mesh::shapes;
 use invertex::param::PrimaryKind;
 use parted::Model;
@@ -21,7 +21,7 @@ use parted::Model;
 /// A sphere whose colours are off by anything.
 fn sphere(subdivisions: u32, coloured: bool) -> Hierarchy {
     let model = Model::new(shapes::icosphere(subdivisions), PrimaryKind::Sphere);
-    let history = Progressive::new(&model.input(), 4).unwrap();
+    let history = Progressive::new(&model.input(), Cost::Displacement, 4);
     let code = |k: usize| [(k * 37 % 120) as u8, (k * 91 % 90) as u8];
     let colours = StepColours {
         distance: Distance::Lab,

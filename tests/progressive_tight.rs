@@ -11,7 +11,7 @@ mod long;
 mod parted;
 
 use glam::DVec3;
-use invertex::lod::progressive::{Made, Progressive};
+use invertex::lod::progressive::{Cost, Made, Progressive};
 use invertex::param::projection::{Line, orientation};
 use invertex::scene::Scene;
 use parted::Model;
@@ -170,7 +170,7 @@ fn edges_of(t: &Made) -> [[u32; 2]; 3] {
 /// Of the triangles that several cuts have from collapses, but for those on rims and seams: how many there are, how many attain their bounds, the largest that
 /// was found as a share of its bound.
 fn tight(model: &Model, least: usize) -> (usize, usize, f64) {
-    let history = Progressive::new(&model.input(), least).unwrap();
+    let history = Progressive::new(&model.input(), Cost::Displacement, least);
     let reference = Reference::new(model);
     let steps = history.collapses.len();
     let (mut all, mut attained, mut farthest) = (0, 0, 0.0f64);

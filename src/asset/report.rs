@@ -180,7 +180,7 @@ pub(super) fn of(
         vertices: lod.positions.len(),
         deviation_max: far.max,
         deviation_rms: far.rms,
-        deviation_bound: (simplifier == Simplifier::Progressive).then_some(lod.error),
+        deviation_bound: (simplifier != Simplifier::Meshopt).then_some(lod.error),
         turned: lod.turned,
         reached: lod.reached,
     };

@@ -8,8 +8,8 @@ use super::hierarchy::{LEAST, stands_still};
 use super::motion::{places, shapes};
 use super::settings::{BuildSettings, Multiresolution, Progress};
 use crate::lod::multiresolution::{Hierarchy, StepColours};
-use crate::lod::progressive::Progressive;
 use crate::lod::progressive::colour::colour_deviations;
+use crate::lod::progressive::{Cost, Progressive};
 use crate::lod::{self, Lod, LodInput, Shape, Simplifier};
 use crate::param::{Chosen, Parts};
 use crate::scene::Scene;
@@ -131,33 +131,45 @@ impl<'a> Work<'a> {
                 world: places[m],
             })
             .collect();
+        let histories = self.histories(&inputs)?;
         let simplifier = self.settings.simplifier;
-        let chains = self.step("lods", "", || {
-            let shapes: Vec<Vec<Shape>> = meshes.iter().map(|&m| shapes(scene, m)).collect();
-            match simplifier {
-                Simplifier::Meshopt => lod::chains_in_motion(&inputs, &shapes, fractions),
-                Simplifier::Progressive => lod::nested_chains(&inputs, fractions),
+        let chains = self.step("lods", "", || match simplifier {
+            Simplifier::Meshopt => {
+                let shapes: Vec<Vec<Shape>> = meshes.iter().map(|&m| shapes(scene, m)).collect();
+                lod::chains_in_motion(&inputs, &shapes, fractions)
+            }
+            Simplifier::Progressive(cost) => {
+                lod::nested_chains(&inputs, (&histories, cost), fractions)
             }
         })?;
-        let hierarchies = self.hierarchies(scene, &inputs)?;
+        let hierarchy = |(input, history): (&LodInput<'_>, Option<Progressive>)| {
+            let hierarchy = history.map(|history| self.hierarchy(scene, input, history));
+            hierarchy.transpose()
+        };
+        let none = std::iter::repeat_with(|| None);
+        let histories = inputs.iter().zip(histories.into_iter().chain(none));
+        let hierarchies = histories.map(hierarchy).collect::<Result<_>>()?;
         Ok((chains, hierarchies))
     }
 
     /// The histories that views will cut, of meshes that stand still.
-    fn hierarchies(
-        &mut self,
-        scene: &Scene,
-        inputs: &[LodInput<'_>],
-    ) -> Result<Vec<Option<Hierarchy>>> {
-        let mut hierarchies = Vec::with_capacity(inputs.len());
-        for input in inputs {
-            let wanted = self.settings.multiresolution != Multiresolution::None;
-            hierarchies.push(match wanted && self.stands_still(input) {
-                true => self.hierarchy(scene, input)?,
-                false => None,
-            });
+    fn histories(&mut self, inputs: &[LodInput<'_>]) -> Result<Vec<Option<Progressive>>> {
+        if self.settings.multiresolution == Multiresolution::None {
+            return Ok(Vec::new());
         }
-        Ok(hierarchies)
+        let cost = match self.settings.simplifier {
+            Simplifier::Progressive(cost) => cost,
+            Simplifier::Meshopt => Cost::default(),
+        };
+        let history = |input: &LodInput<'_>| match self.stands_still(input) {
+            true => {
+                let history = || Ok(Progressive::new(input, cost, LEAST));
+                self.step("multiresolution", &input.mesh.name, history)
+                    .map(Some)
+            }
+            false => Ok(None),
+        };
+        inputs.iter().map(history).collect()
     }
 
     fn stands_still(&mut self, input: &LodInput<'_>) -> bool {
@@ -171,18 +183,14 @@ impl<'a> Work<'a> {
         still
     }
 
-    /// None, and a note, for a mesh whose primary has no known bound: the others get theirs.
-    fn hierarchy(&mut self, scene: &Scene, input: &LodInput<'_>) -> Result<Option<Hierarchy>> {
+    /// What views will cut: a history, and what it does to colours.
+    fn hierarchy(
+        &mut self,
+        scene: &Scene,
+        input: &LodInput<'_>,
+        history: Progressive,
+    ) -> Result<Hierarchy> {
         let (mesh, settings) = (input.mesh, self.settings);
-        let history = || Progressive::new(input, LEAST);
-        let history = match self.step("multiresolution", &mesh.name, history) {
-            Err(Error::Option { reason, .. }) => {
-                self.notes
-                    .push(format!("no multiresolution model: {reason}"));
-                return Ok(None);
-            }
-            history => history?,
-        };
         let colours = match settings.multiresolution {
             Multiresolution::Colours(distance) => {
                 let (colours, words) = colours_of(scene, mesh);
@@ -198,6 +206,6 @@ impl<'a> Work<'a> {
             }
             _ => None,
         };
-        Ok(Some(Hierarchy::new(history, &mesh.positions, colours)))
+        Ok(Hierarchy::new(history, &mesh.positions, colours))
     }
 }

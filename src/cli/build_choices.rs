@@ -3,6 +3,7 @@
 use invertex::asset::Multiresolution;
 use invertex::igt::Layout;
 use invertex::lod;
+use invertex::lod::progressive::Cost;
 use invertex::lod::progressive::colour::Distance;
 
 /// What a multiresolution model knows besides how far details are displaced.
@@ -30,8 +31,12 @@ pub(super) enum LayoutName {
 pub(super) enum Simplifier {
     /// Quadric edge collapse by meshoptimizer, one error budget over all meshes.
     Meshopt,
-    /// Progressive meshes, ours: bounds how far any detail of the texture is displaced; levels are nested.
+    /// Progressive meshes, ours: bounds how far any detail of the texture is displaced, and displaces as little as can be; levels
+    /// are nested.
     Progressive,
+    /// The same in the order of the quadric error: the surface moves as little as can be, its details are displaced farther.
+    #[value(name = "progressive:quadric")]
+    Quadric,
 }
 
 impl From<LayoutName> for Layout {
@@ -47,7 +52,8 @@ impl From<Simplifier> for lod::Simplifier {
     fn from(name: Simplifier) -> Self {
         match name {
             Simplifier::Meshopt => lod::Simplifier::Meshopt,
-            Simplifier::Progressive => lod::Simplifier::Progressive,
+            Simplifier::Progressive => lod::Simplifier::Progressive(Cost::Displacement),
+            Simplifier::Quadric => lod::Simplifier::Progressive(Cost::Quadric),
         }
     }
 }

@@ -38,6 +38,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{Mesh, MorphTarget};
 use crate::param::Primary;
 use crate::param::layer::Parts;
+use progressive::{Cost, Progressive};
 use rayon::prelude::*;
 
 /// What simplifies.
@@ -46,9 +47,9 @@ pub enum Simplifier {
     /// Collapses in the order of their quadric error by meshoptimizer; vertices move to the optimum, poses are looked at.
     #[default]
     Meshopt,
-    /// Collapses in the order of the deviation that they cause; vertices stay, levels are nested, the rest pose is
-    /// looked at, [`Lod::error`] is a bound.
-    Progressive,
+    /// Our half-edge collapses in the order of their [`Cost`]; vertices stay, levels are nested, the rest pose is looked
+    /// at, [`Lod::error`] is a bound.
+    Progressive(Cost),
 }
 
 /// One level of detail of one mesh. Per-vertex arrays have one element per vertex; `joints` and `weights` are empty for
@@ -106,13 +107,18 @@ pub fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>
     chains_in_motion(meshes, &[], fractions)
 }
 
-/// The same by progressive meshes: levels are nested, and their error is a bound.
+/// The same by progressive meshes: levels are nested, and their error is a bound. Histories of the meshes that are `known` are not
+/// made again (`known` may be shorter), those of others are, by `cost`.
 ///
 /// # Errors
-/// As [`chains`] and [`progressive::Progressive::new`].
-pub fn nested_chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>>> {
+/// As [`chains`].
+pub fn nested_chains(
+    meshes: &[LodInput<'_>],
+    (known, cost): (&[Option<Progressive>], Cost),
+    fractions: &[f32],
+) -> Result<Vec<Vec<Lod>>> {
     check(fractions)?;
-    nested::chains(meshes, fractions)
+    Ok(nested::chains(meshes, (known, cost), fractions))
 }
 
 /// The same of a model that moves: `shapes` has, for each mesh, its vertices' positions in up to [`MOST_POSES`] poses, none

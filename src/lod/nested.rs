@@ -4,26 +4,32 @@
 //! the cheapest of all meshes', in world units; so a level is cut at one price everywhere.
 
 use super::joint::world;
-use super::progressive::Progressive;
+use super::progressive::{Cost, Progressive};
 use super::source::Source;
 use super::split::per_object_unit;
 use super::{Lod, LodInput};
-use crate::error::Result;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// A mesh simplifies on by this factor below its own share of the coarsest level: others may need the triangles more.
 const BEYOND: f64 = 8.0;
 
-/// The chains of a model by progressive meshes: `result[m][k]` is mesh `m` at `fractions[k]` of the whole model's triangles.
-pub(super) fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>>> {
+/// The chains of a model by progressive meshes: `result[m][k]` is mesh `m` at `fractions[k]` of the whole model's triangles. Histories
+/// that are not `known` are made, by `cost`.
+pub(super) fn chains(
+    meshes: &[LodInput<'_>],
+    (known, cost): (&[Option<Progressive>], Cost),
+    fractions: &[f32],
+) -> Vec<Vec<Lod>> {
     let coarsest = fractions.iter().copied().fold(1.0, f32::min);
-    let histories: Vec<Progressive> = meshes
-        .par_iter()
-        .map(|input| {
+    let history = |(m, input): (usize, &LodInput<'_>)| match known.get(m) {
+        Some(Some(history)) => Cow::Borrowed(history),
+        _ => {
             let share = input.mesh.triangles.len() as f64 * f64::from(coarsest);
-            Progressive::new(input, (share / BEYOND) as usize)
-        })
-        .collect::<Result<_>>()?;
+            Cow::Owned(Progressive::new(input, cost, (share / BEYOND) as usize))
+        }
+    };
+    let histories: Vec<Cow<'_, Progressive>> = meshes.par_iter().enumerate().map(history).collect();
     let order = Order::new(meshes, &histories);
     let levels: Vec<Level> = fractions.iter().map(|&f| order.level(f)).collect();
     let pairs = meshes.par_iter().zip(&histories).enumerate();
@@ -35,7 +41,7 @@ pub(super) fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<V
         };
         levels.iter().map(lod).collect()
     });
-    Ok(chains.collect())
+    chains.collect()
 }
 
 /// All collapses of a model in one order.
@@ -57,7 +63,7 @@ struct Level {
 }
 
 impl Order {
-    fn new(meshes: &[LodInput<'_>], histories: &[Progressive]) -> Self {
+    fn new(meshes: &[LodInput<'_>], histories: &[Cow<'_, Progressive>]) -> Self {
         let mut priced: Vec<(f64, usize, usize)> = Vec::new();
         for (m, (input, history)) in meshes.iter().zip(histories).enumerate() {
             let unit = per_object_unit(&world(input));

@@ -12,7 +12,7 @@ mod cylindrical;
 pub mod fit;
 mod fit_centre;
 mod fit_choose;
-mod fit_domain;
+pub(crate) mod fit_domain;
 mod fit_overlap;
 pub(crate) mod fit_surface;
 pub mod grid;

@@ -10,6 +10,9 @@ use invertex::lod::progressive::colour::{Colours, Distance, colour_deviations};
 pub(crate) struct Found {
     pub(crate) points: usize,
     pub(crate) above: usize,
+    /// Products that the reference is too steep for, and those that it comes near to.
+    pub(crate) steeper: usize,
+    pub(crate) steep: usize,
     /// Above nine tenths of the bound.
     pub(crate) near: usize,
     pub(crate) triangles: usize,
@@ -49,12 +52,14 @@ pub(crate) fn sampled(
             })
             .collect();
         for (t, made) in made.iter().step_by(made.len() / 12 + 1) {
-            let bounds: Vec<f32> = (0..deviations.levels)
-                .map(|k| deviations.at(*t, k).tangential)
-                .collect();
             let seen = largest(model, colours, &deviations, distance, made, points);
-            for (k, &bound) in bounds.iter().enumerate() {
-                let bound = f64::from(bound);
+            let normal = f64::from(made.deviation.normal);
+            for k in 0..deviations.levels {
+                let bound = deviations.at(*t, k);
+                let [bound, product] = [bound.tangential, bound.product].map(f64::from);
+                let steep = seen.steepest[k] * normal;
+                found.steeper += usize::from(steep > product * (1.0 + 1e-4));
+                found.steep += usize::from(product > floor && steep > 0.5 * product);
                 found.points += seen.points;
                 // Places of texels are rounded, and answers to 2^-21 of a triangle.
                 let rounding = 0.02 + 2e-4 * bound;

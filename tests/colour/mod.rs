@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use invertex::igt::{Ambiguous, Asker, BuildOptions, Layout, Needs, Reference, Tables, build_cpu};
 use invertex::lod::LodInput;
 use invertex::lod::progressive::colour::{Colours, Picture, Shade, Wrap};
-use invertex::lod::progressive::{Made, Progressive};
+use invertex::lod::progressive::{Cost, Made, Progressive};
 use invertex::mesh::{Mesh, Weld, components};
 use invertex::param::projection::Line;
 use invertex::param::{Parts, Primary, PrimaryKind, PrimaryRequest, parameterize, parts};
@@ -71,7 +71,7 @@ impl Model {
     }
 
     pub(crate) fn progressive(&self, least: usize) -> Progressive {
-        Progressive::new(&self.input(), least).unwrap()
+        Progressive::new(&self.input(), Cost::Displacement, least)
     }
 
     fn position(&self, v: u32) -> DVec3 {

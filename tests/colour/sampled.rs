@@ -11,6 +11,8 @@ use invertex::lod::progressive::colour::{
 pub(crate) struct Seen {
     pub(crate) points: usize,
     pub(crate) largest: Vec<f64>,
+    /// For each level the largest change of colour an object unit on the reference below the triangle.
+    pub(crate) steepest: Vec<f64>,
 }
 
 /// Samples a triangle, closer where deviations are large.
@@ -33,6 +35,7 @@ pub(crate) fn largest(
     let mut seen = Seen {
         points: 0,
         largest: vec![0.0; deviations.levels],
+        steepest: vec![0.0; deviations.levels],
     };
     let mut best = vec![[1.0 / 3.0; 3]; deviations.levels];
     for i in 0..points {
@@ -45,7 +48,11 @@ pub(crate) fn largest(
             true => anywhere,
             false => [0, 1, 2].map(|k| best[level][k] * (1.0 - near) + anywhere[k] * near),
         };
-        let Some(found) = sampling.at(b) else {
+        let Some(shown) = model.shown(made, b) else {
+            continue;
+        };
+        sampling.steepen(shown, i, &mut seen.steepest);
+        let Some(found) = sampling.at(b, shown) else {
             continue;
         };
         seen.points += 1;
@@ -79,17 +86,25 @@ pub(crate) fn differences(
         made,
         corners: made.corners.map(|v| model.position(v)),
     };
-    let (_, foot) = sampling.foot(at)?;
+    let shown = model.shown(made, at)?;
+    let foot = sampling.foot(shown);
     let ambiguous = (0..=STEPS).any(|k| {
         let s = f64::from(k) / f64::from(STEPS);
         let b = [0, 1, 2].map(|k| at[k] + (foot[k] - at[k]) * s);
         model.is_ambiguous(made, b)
     });
-    if ambiguous { None } else { sampling.at(at) }
+    if ambiguous {
+        None
+    } else {
+        sampling.at(at, shown)
+    }
 }
 
 /// Points of a way that are looked at.
 const STEPS: u32 = 8;
+
+/// What the rounding of texels' places may change in a difference of colours.
+const ROUNDING: f64 = 0.02;
 
 struct Sampling<'a> {
     model: &'a Model,
@@ -101,10 +116,29 @@ struct Sampling<'a> {
 }
 
 impl Sampling<'_> {
-    /// The deviations at a point of the triangle; none where the reference has no such point, or none at its foot.
-    fn at(&self, at: [f64; 3]) -> Option<Vec<f64>> {
-        let ((t, own), foot) = self.foot(at)?;
-        let (other, shares) = self.walked(t, at, foot)?;
+    fn position(&self, t: u32, b: [f64; 3]) -> DVec3 {
+        let [x, y, z] = self.model.mesh.triangles[t as usize].map(|v| self.model.position(v));
+        x * b[0] + y * b[1] + z * b[2]
+    }
+
+    /// How colours change from a point of the reference towards a corner of its triangle, over a long way or a short one.
+    fn steepen(&self, (t, own): (u32, [f64; 3]), i: u64, steepest: &mut [f64]) {
+        let share = 0.1f64.powi((i / 3 % 4) as i32);
+        let mut other = own.map(|b| b * (1.0 - share));
+        other[(i % 3) as usize] += share;
+        let far = self.position(t, own).distance(self.position(t, other));
+        for (k, steepest) in steepest.iter_mut().enumerate() {
+            let mip = self.mip(t, k);
+            let change = (self.colour(t, own, mip) - self.colour(t, other, mip)).length();
+            if change > ROUNDING {
+                *steepest = steepest.max((change - ROUNDING) / far);
+            }
+        }
+    }
+
+    /// The deviations at a point of the triangle, for which a point of the reference is shown; none where nothing is at its foot.
+    fn at(&self, at: [f64; 3], (t, own): (u32, [f64; 3])) -> Option<Vec<f64>> {
+        let (other, shares) = self.walked(t, at, self.foot((t, own)))?;
         let at = |k: usize| {
             let mip = self.mip(t, k);
             let mine = self.colour(t, own, mip);
@@ -113,17 +147,15 @@ impl Sampling<'_> {
         Some((0..self.deviations.levels).map(at).collect())
     }
 
-    /// The reference's point, and where on the plane of the triangle its foot is.
-    fn foot(&self, at: [f64; 3]) -> Option<((u32, [f64; 3]), [f64; 3])> {
-        let (t, own) = self.model.shown(self.made, at)?;
-        let corners = self.model.mesh.triangles[t as usize].map(|v| self.model.position(v));
-        let p = corners[0] * own[0] + corners[1] * own[1] + corners[2] * own[2];
+    /// Where on the plane of the triangle the foot of the reference's point is.
+    fn foot(&self, (t, own): (u32, [f64; 3])) -> [f64; 3] {
+        let p = self.position(t, own);
         let [a, b, c] = self.corners;
         let normal = (b - a).cross(c - a);
         let share = |from: DVec3, to: DVec3| {
             normal.dot((to - from).cross(p - from)) / normal.length_squared()
         };
-        Some(((t, own), [share(b, c), share(c, a), share(a, b)]))
+        [share(b, c), share(c, a), share(a, b)]
     }
 
     /// What is shown at the end of the straight way between two points of the plane, or what counts where the way leaves the

@@ -7,7 +7,7 @@
 
 use super::overlay::Scratch;
 use super::plan::{Plan, Planned, Surface, cheaper};
-use super::{Collapse, Progressive};
+use super::{Collapse, Cost, Progressive};
 use crate::lod::LodInput;
 use rayon::prelude::*;
 
@@ -37,8 +37,8 @@ struct Work<'a> {
 }
 
 /// Simplifies until at most `least` triangles are left, or nothing may collapse.
-pub(super) fn simplify(input: &LodInput<'_>, least: usize) -> Progressive {
-    let mut work = Work::new(input);
+pub(super) fn simplify(input: &LodInput<'_>, cost: Cost, least: usize) -> Progressive {
+    let mut work = Work::new(input, cost);
     let mut dirty: Vec<u32> = (0..work.prices.len() as u32).collect();
     while work.surface.live.count > least {
         work.look_at(&dirty);
@@ -51,8 +51,8 @@ pub(super) fn simplify(input: &LodInput<'_>, least: usize) -> Progressive {
 }
 
 impl<'a> Work<'a> {
-    fn new(input: &LodInput<'a>) -> Self {
-        let surface = Surface::new(input);
+    fn new(input: &LodInput<'a>, cost: Cost) -> Self {
+        let surface = Surface::new(input, cost);
         let places = surface.live.round.count();
         Work {
             surface,

@@ -14,6 +14,7 @@
 
 mod collapse;
 pub mod colour;
+mod grounds;
 mod lists;
 mod live;
 mod near;
@@ -31,11 +32,21 @@ pub use overlay::Deviation;
 pub use replay::Steps;
 
 use super::LodInput;
-use crate::error::{Error, Result};
-use crate::param::PrimaryKind;
-use crate::param::projection::{Line, orientation};
+use crate::param::projection::orientation;
 use glam::DVec3;
 use overlay::{Asked, Overlay, Scratch};
+
+/// What a collapse costs: the cheapest come first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cost {
+    /// What it displaces, surface or texture: the root of the quadric error or the deviation of the triangles that come to be,
+    /// whichever is larger. Fewest triangles for a bound of the deviation.
+    #[default]
+    Displacement,
+    /// The root of the quadric error: how far the surface moves, on average. Fewest triangles for a surface; what its texture does
+    /// is bounded all the same.
+    Quadric,
+}
 
 /// A mesh with the history of its simplification.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,18 +84,14 @@ pub struct Collapse {
     pub from: u32,
     /// The place it becomes.
     pub to: u32,
-    /// The dearest step so far: quadric error (a distance) or deviation, whichever is larger; object units.
+    /// The dearest step so far by its [`Cost`]; object units.
     pub price: f64,
 }
 
 impl Progressive {
     /// Simplifies a mesh until at most `least` triangles are left, or no further collapse keeps the surface whole.
-    ///
-    /// # Errors
-    /// [`Error::Option`] naming `--simplifier` for a computed map to a cylinder: its overlay has no known bound.
-    pub fn new(input: &LodInput<'_>, least: usize) -> Result<Self> {
-        check(input)?;
-        Ok(collapse::simplify(input, least))
+    pub fn new(input: &LodInput<'_>, cost: Cost, least: usize) -> Self {
+        collapse::simplify(input, cost, least)
     }
 
     /// Triangles that each collapse takes away, less those that it makes.
@@ -106,32 +113,9 @@ impl Progressive {
     }
 }
 
-/// Along a cylinder's lines the bound rests on T3 being the position.
-fn check(input: &LodInput<'_>) -> Result<()> {
-    let kind = input.primary.kind;
-    if matches!(kind, PrimaryKind::Computed(_)) && kind.line() == Line::Cylinder {
-        return Err(Error::Option {
-            option: "--simplifier",
-            reason: format!(
-                "no bound is known over {kind} (mesh \"{}\"); progressive needs another primary, or take meshopt",
-                input.mesh.name
-            ),
-        });
-    }
-    Ok(())
-}
-
 /// How far a triangle of any simplified surface lies from the reference, at most: `t3` are its corners on the primary's vertex
 /// grid, `corners` in object space. Every triangle of the reference is looked at.
-///
-/// # Errors
-/// As [`Progressive::new`].
-pub fn deviation_of(
-    input: &LodInput<'_>,
-    t3: [[i32; 3]; 3],
-    corners: [[f32; 3]; 3],
-) -> Result<Deviation> {
-    check(input)?;
+pub fn deviation_of(input: &LodInput<'_>, t3: [[i32; 3]; 3], corners: [[f32; 3]; 3]) -> Deviation {
     let overlay = Overlay::new(input.mesh, input.primary);
     let asked = Asked {
         t3: t3.map(|p| DVec3::from(p.map(f64::from))),
@@ -142,5 +126,5 @@ pub fn deviation_of(
     let all: Vec<u32> = (0..input.mesh.triangles.len() as u32).collect();
     let mut scratch = Scratch::default();
     overlay.gather(&mut scratch, std::iter::once(&all[..]));
-    Ok(overlay.deviation(&asked, f64::INFINITY, &mut scratch, &mut Vec::new()))
+    overlay.deviation(&asked, f64::INFINITY, &mut scratch, &mut Vec::new())
 }

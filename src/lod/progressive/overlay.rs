@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | parallel | both affine | at a corner of the cell |
 //! | sphere | P affine, Q projective: the corners' weights w are rescaled | at a corner, but for what the weights move |
-//! | cylinder | on each line, radii r_P and r_Q at one height | at a corner, but for how the radii vary |
+//! | cylinder | P affine, Q by the ratio of radii: see `radial` | at a corner, but for how the ratio varies |
 //!
 //! Corners of cells are vertices of either triangulation inside the other and crossings of edges. What is added to the largest
 //! distance there makes it a bound: for the sphere, weights that differ by a factor k move a mean of points no farther than
@@ -44,11 +44,9 @@ pub(super) struct Overlay<'a> {
     /// Grid coordinates of its vertices, exact in f64.
     pub(super) t3: Vec<DVec3>,
     pub(super) positions: Vec<DVec3>,
-    triangles: &'a [[u32; 3]],
+    pub(super) triangles: &'a [[u32; 3]],
     /// The sense in which lines meet each triangle.
     pub(super) sense: Vec<i8>,
-    /// Object units per step of the grid; what is from position only.
-    unit: f64,
 }
 
 /// A triangle whose deviation is asked: its corners in T3 (grid) and in space, and its sense.
@@ -60,6 +58,13 @@ pub(super) struct Asked {
     /// Bit i where the edge opposite corner i may be one of a rim or a seam: it keeps the triangles of the reference that lie
     /// beyond it. They were left out by a chord, and another chord may take them in again.
     pub(super) rims: u8,
+}
+
+/// See [`Asked::rims`]: `on_rim` tells of a vertex whether it lies on a rim or seam.
+pub(super) fn rims_of(corners: [u32; 3], on_rim: &[bool]) -> u8 {
+    let is_end = |k: usize| on_rim[corners[k % 3] as usize];
+    let is_rim = |i: &usize| is_end(i + 1) && is_end(i + 2);
+    (0..3).filter(is_rim).fold(0, |rims, i| rims | 1 << i)
 }
 
 /// The largest of what is added up over the cells.
@@ -87,7 +92,6 @@ impl<'a> Overlay<'a> {
                 .map(|p| DVec3::from(p.map(f64::from)))
                 .collect(),
             triangles: &mesh.triangles,
-            unit: 1.0 / primary.frame.scale,
         }
     }
 
@@ -131,6 +135,11 @@ impl<'a> Overlay<'a> {
         (h.min_element() >= 0.0).then_some(distance)
     }
 
+    /// Where a vertex lies on the grid.
+    pub(super) fn grid(&self, v: u32) -> [i32; 3] {
+        self.t3[v as usize].as_ivec3().to_array()
+    }
+
     /// Triangles of the reference that lie the other way round are never looked up from here, nor from what comes of it.
     pub(super) fn faces(&self, t: u32, asked: &Asked) -> bool {
         i32::from(self.sense[t as usize]) == asked.sense
@@ -144,26 +153,23 @@ impl<'a> Overlay<'a> {
         (near, refine): (&Near, &mut Refine),
         covers: &mut Vec<u32>,
     ) -> Largest {
-        let known = |piece: &Piece| {
-            let cell = radial::cell(asked, piece.map(|c| c.h), piece.map(|c| c.p))?;
-            let mut squares = Squares::default();
-            for corner in &cell.corners {
-                squares.raise(&Squares::of(corner.reference - corner.simplified, normal));
-            }
-            let more = cell.bound() * self.unit - squares.total.sqrt();
-            Some((squares, more.max(0.0)))
-        };
+        let view = radial::View::new(asked, normal);
+        let known = |piece: &Piece| view.known(piece.map(|c| c.h), piece.map(|c| c.p));
         for &t in near.triangles.iter().filter(|&&t| self.faces(t, asked)) {
             let piece = self.triangles[t as usize].map(|v| Corner {
                 h: self.t3[v as usize],
                 p: self.positions[v as usize],
             });
-            if let Some(known) = known(&piece) {
-                refine.take(known, || piece);
-                covers.push(t);
-                if refine.farthest() > limit {
-                    return refine.attained();
+            let Some(known) = known(&piece) else {
+                if radial::is_beyond(asked.t3, asked.rims, piece.map(|c| c.h)) {
+                    covers.push(t);
                 }
+                continue;
+            };
+            refine.take(known, || piece);
+            covers.push(t);
+            if refine.farthest() > limit {
+                return refine.attained();
             }
         }
         refine.finish(known)
@@ -259,6 +265,14 @@ impl Squares {
 
     pub(super) fn total(&self) -> f64 {
         self.total
+    }
+
+    /// How much larger a root of others is than its own, at most.
+    pub(super) fn short_of(&self, others: &Squares) -> f64 {
+        let more = |own: f64, other: f64| other.sqrt() - own.sqrt();
+        more(self.total, others.total)
+            .max(more(self.tangential, others.tangential))
+            .max(more(self.normal, others.normal))
     }
 
     /// Whether the roots are no larger than those of others and `slack`, which may be negative.

@@ -3,9 +3,10 @@
 //! In: the surface as it is, and a place. Out: the price that its collapse seems to have, and when its turn comes a [`Plan`]: the
 //! neighbour, the triangles that come to be, their deviation.
 //!
-//! The price is the larger of the root of the quadric error and the deviation of the triangles that come to be: geometry and
-//! texture may each be displaced so far.
+//! See [`Cost`] for what the price is.
 
+use super::Cost;
+use super::grounds::Grounds;
 use super::live::{Live, Turned};
 use super::overlay::{Asked, Deviation, Overlay, Scratch};
 use super::quadric::Quadric;
@@ -46,6 +47,15 @@ pub(super) enum Planned {
     Whole(Box<Plan>),
 }
 
+/// A collapse that may be.
+struct Best {
+    /// The root of its quadric error: a distance.
+    error: f64,
+    to: u32,
+    star: Star,
+    rims: Vec<NewRim>,
+}
+
 /// A triangle that comes to be.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
@@ -79,6 +89,9 @@ pub(super) struct Surface<'a> {
     pub(super) rims: Rims,
     /// For each vertex whether it lies on a rim or seam.
     on_rim: Vec<bool>,
+    /// None where there are no rims.
+    grounds: Option<Grounds>,
+    cost: Cost,
     /// What each place's collapse cost when it was last planned. Deviations seldom fall as the surface gets coarser: a place
     /// whose surroundings changed is not planned again before its turn comes.
     pub(super) known: Vec<f64>,
@@ -90,7 +103,7 @@ pub(super) fn cheaper(a: &(f64, u32), b: &(f64, u32)) -> Ordering {
 }
 
 impl<'a> Surface<'a> {
-    pub(super) fn new(input: &LodInput<'a>) -> Self {
+    pub(super) fn new(input: &LodInput<'a>, cost: Cost) -> Self {
         let overlay = Overlay::new(input.mesh, input.primary);
         let live = Live::new(input, |t| overlay.sense[t]);
         let places = live.round.count();
@@ -100,11 +113,15 @@ impl<'a> Surface<'a> {
             quadrics: Vec::new(),
             rims: Rims::default(),
             on_rim: live.on_rim(),
+            grounds: None,
+            cost,
             known: vec![0.0; places],
             live,
         };
         let quadrics = (0..places as u32).into_par_iter();
         surface.quadrics = quadrics.map(|u| surface.quadric(u)).collect();
+        let is_open = surface.on_rim.contains(&true);
+        surface.grounds = is_open.then(|| Grounds::new(&surface.overlay, input.primary.kind));
         surface
     }
 
@@ -139,15 +156,23 @@ impl<'a> Surface<'a> {
     /// there is none.
     pub(super) fn estimate(&self, u: u32) -> f64 {
         let quadric = &self.quadrics[u as usize];
-        let (mut least, mut far) = (f64::INFINITY, 0.0f32);
+        let (mut least, mut far) = (f64::INFINITY, 0.0f64);
         for &f in self.live.round.get(u) {
             let face = &self.live.faces[f as usize];
-            far = far.max(face.deviation.total);
+            far = far.max(self.priced(&face.deviation));
             for place in face.places.into_iter().filter(|&p| p != u) {
                 least = least.min(quadric.error(self.overlay.positions[place as usize]));
             }
         }
-        least.sqrt().max(f64::from(far)).max(self.known[u as usize])
+        least.sqrt().max(far).max(self.known[u as usize])
+    }
+
+    /// What a deviation adds to a price: what has no bound is never made.
+    fn priced(&self, deviation: &Deviation) -> f64 {
+        match self.cost {
+            Cost::Quadric if deviation.total.is_finite() => 0.0,
+            _ => f64::from(deviation.total),
+        }
     }
 
     /// The best collapse of `u`, by quadric error, that keeps the surface whole and lying well. What costs more than `limit` is
@@ -158,46 +183,82 @@ impl<'a> Surface<'a> {
         (made, seems, limit): (u32, f64, f64),
         scratch: &mut Scratch,
     ) -> Planned {
-        self.best(u)
-            .map_or(Planned::None, |(ring, error, to, star)| {
-                let least = error.max(self.left_behind(&ring, &star));
-                if least > seems {
-                    return Planned::Dear(least);
-                }
-                let mut plan = Box::new(Plan {
-                    price: least,
-                    to,
-                    measured: SmallVec::new(),
-                    covers: Vec::new(),
-                    rims: match ring.is_whole() {
-                        true => Vec::new(),
-                        false => self.rims.renewed(&self.live, u, to, &star),
-                    },
-                    star,
-                    made,
-                });
-                self.measure(&ring, &mut plan, limit, scratch);
-                match plan.price > limit {
-                    true => Planned::Dear(plan.price),
-                    false => Planned::Whole(plan),
-                }
-            })
+        let Some((ring, best)) = self.best(u) else {
+            return Planned::None;
+        };
+        let (least, limit) = match self.cost {
+            Cost::Displacement => (best.error.max(self.left_behind(&ring, &best.star)), limit),
+            Cost::Quadric => (best.error, f64::INFINITY),
+        };
+        if least > seems {
+            return Planned::Dear(least);
+        }
+        let mut plan = Box::new(Plan {
+            price: least,
+            to: best.to,
+            measured: SmallVec::new(),
+            covers: Vec::new(),
+            rims: best.rims,
+            star: best.star,
+            made,
+        });
+        self.measure(&ring, &mut plan, limit, scratch);
+        match plan.price > limit {
+            true => Planned::Dear(plan.price),
+            false => Planned::Whole(plan),
+        }
     }
 
-    /// The ring of `u`, the least quadric error (a distance) of a collapse that may be, where it leads, and what it does.
-    fn best(&self, u: u32) -> Option<(Ring, f64, u32, Star)> {
+    /// The ring of `u`, and of its collapses that may be the one of least quadric error.
+    fn best(&self, u: u32) -> Option<(Ring, Best)> {
         let ring = self.live.ring(u)?;
+        let is_whole = ring.is_whole();
         let quadric = &self.quadrics[u as usize];
         let error = |v: u32| (quadric.error(self.overlay.positions[v as usize]), v);
         let mut ordered: SmallVec<[(f64, u32); 10]> = ring.onto().into_iter().map(error).collect();
         ordered.sort_unstable_by(cheaper);
-        let (error, to, star) = ordered.into_iter().find_map(|(error, to)| {
+        let best = ordered.into_iter().find_map(|(error, to)| {
             let star = self.live.star(&ring, to)?;
             let lies_well = |turned: &(u32, [u32; 3])| self.lies_well(turned);
-            let all = star.turned.iter().all(lies_well);
-            all.then_some((error, to, star))
+            if !star.turned.iter().all(lies_well) {
+                return None;
+            }
+            let rims = match is_whole {
+                true => Vec::new(),
+                false => self.rims.renewed(&self.live, u, to, &star),
+            };
+            let keeps_off = |rim: &NewRim| self.keeps_off_others(&ring, rim);
+            rims.iter().all(keeps_off).then_some(Best {
+                error: error.sqrt(),
+                to,
+                star,
+                rims,
+            })
         })?;
-        Some((ring, error.sqrt(), to, star))
+        Some((ring, best))
+    }
+
+    /// Whether the ground that a face gains by the chord of a rim is nobody's, or that of triangles it is measured against.
+    fn keeps_off_others(&self, ring: &Ring, rim: &NewRim) -> bool {
+        let spokes = || ring.spokes.iter();
+        let own = spokes().find(|s| s.face == rim.face).map(|s| s.own);
+        let (Some(grounds), Some(own)) = (&self.grounds, own) else {
+            return true;
+        };
+        let [to, other] = rim.edge;
+        let face = &self.live.faces[rim.face as usize];
+        let turned = face.corners.map(|v| if v == own { to } else { v });
+        // The face as it will be, and what it gains, its third corner where the rim was.
+        let gained = turned.map(|v| if v == to || v == other { v } else { own });
+        let sense = self.sense(gained);
+        if sense == 0 || sense != self.sense(turned) {
+            // The chord cuts off.
+            return true;
+        }
+        let corners = gained.map(|v| self.grid[v as usize]);
+        let same = || spokes().filter(|s| s.own == own);
+        let is_known = |t: u32| same().any(|s| self.live.covers.get(s.face).contains(&t));
+        !grounds.are_others(&self.overlay, &corners, is_known)
     }
 
     /// How far the place that goes lies from where it will be: no plan costs less.
@@ -279,7 +340,7 @@ impl<'a> Surface<'a> {
             for rim in plan.rims.iter().filter(|rim| rim.face == f) {
                 self.leave_out(rim, asked.corners, &mut deviation);
             }
-            plan.price = plan.price.max(f64::from(deviation.total));
+            plan.price = plan.price.max(self.priced(&deviation));
             plan.measured.push(Measured {
                 sense: asked.sense as i8,
                 deviation,

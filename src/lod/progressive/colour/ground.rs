@@ -24,6 +24,8 @@ pub(super) struct Ground<'a> {
     pub(super) across: Vec<[u32; 3]>,
     /// The same in space, over seams and folds.
     pub(super) beside: Vec<[u32; 3]>,
+    /// For each vertex of the surface whether it lies on a rim or seam.
+    pub(super) on_rim: Vec<bool>,
 }
 
 /// A simplified triangle's plane.
@@ -61,11 +63,18 @@ impl<'a> Ground<'a> {
             .collect();
         let welded = weld(mesh, input.primary.kind).triangles(&mesh.triangles);
         let mut across = Adjacency::new(&welded).across;
+        let mut on_rim = vec![false; t3.len()];
         for (t, across) in across.iter_mut().enumerate() {
             for other in across {
                 if *other != NONE && sense[*other as usize] != sense[t] {
                     *other = NONE;
                 }
+            }
+        }
+        for (corners, across) in welded.iter().zip(&across) {
+            for k in (0..3).filter(|&k| across[k] == NONE) {
+                on_rim[corners[k] as usize] = true;
+                on_rim[corners[(k + 1) % 3] as usize] = true;
             }
         }
         let places = by_place(&mesh.positions, &mesh.triangles);
@@ -76,6 +85,7 @@ impl<'a> Ground<'a> {
             triangles: &mesh.triangles,
             sense,
             across,
+            on_rim,
             beside: Adjacency::new(&places.triangles(&mesh.triangles)).across,
         }
     }

@@ -3,7 +3,7 @@
 //! In: the triangle, and the triangles of the reference that its image may meet. Out: [`Measured`]: which it meets, and for every
 //! level what its tangential part changes, at most, and the product of its normal part and the steepest colour near it.
 
-use super::super::overlay::Asked;
+use super::super::overlay::{Asked, rims_of};
 use super::super::{Deviation, Made, radial};
 use super::beyond;
 use super::bound::Search;
@@ -18,7 +18,8 @@ use glam::DVec3;
 /// What was found.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Measured {
-    /// Triangles of the reference that its image meets, in growing order.
+    /// Triangles of the reference that its image meets, and those beyond its rims, which chords to come may take in again; in growing
+    /// order.
     pub(super) covers: Vec<u32>,
     /// For each level.
     pub(super) tangential: Vec<f32>,
@@ -59,10 +60,11 @@ impl Against<'_> {
                     sense: own,
                     rims: 0,
                 };
-                self.over_cylinder(&asked, plane.as_ref(), same_side, &mut searches)
+                self.over_cylinder(&asked, plane.as_ref(), same_side.clone(), &mut searches)
             }
             (Some(plane), _) => {
                 let mut cells: Vec<Cell> = same_side
+                    .clone()
                     .filter_map(|t| cell(&self.ground, plane, corners, t))
                     .collect();
                 cells.sort_by(|a, b| b.far.total_cmp(&a.far));
@@ -71,20 +73,39 @@ impl Against<'_> {
             }
             (None, _) => {
                 self.unknown(&mut searches);
-                same_side.collect()
+                same_side.clone().collect()
             }
         };
         covers.sort_unstable();
+        let product = self.product(&made.deviation, corners, &covers);
+        let rims = rims_of(made.corners, &self.ground.on_rim);
+        covers.extend(same_side.filter(|&t| self.is_beyond(rims, t, t3, plane.as_ref())));
+        covers.sort_unstable();
+        covers.dedup();
         if !made.deviation.total.is_finite() {
             self.unknown(&mut searches);
         }
         let widest = self.palette.widest;
         let upper = |s: &Search| s.upper.max(s.lower).min(widest);
         Measured {
-            product: self.product(&made.deviation, corners, &covers),
+            product,
             covers,
             tangential: not_rising(searches.iter().map(upper).collect()),
             attained: not_rising(searches.iter().map(|s| s.lower).collect()),
+        }
+    }
+
+    /// Whether a triangle of the reference lies all beyond one of the rims of a simplified one.
+    fn is_beyond(&self, rims: u8, t: u32, t3: [DVec3; 3], plane: Option<&Plane>) -> bool {
+        match (plane, self.ground.line) {
+            _ if rims == 0 => false,
+            (_, Line::Cylinder) => radial::is_beyond(t3, rims, self.ground.t3(t)),
+            (Some(plane), _) => {
+                let images = self.ground.images(plane, t);
+                let all = |i: &usize| images.iter().all(|h| h[*i] < 0.0);
+                (0..3).filter(|i| rims >> i & 1 != 0).any(|i| all(&i))
+            }
+            (None, _) => false,
         }
     }
 
@@ -115,8 +136,8 @@ impl Against<'_> {
         near: impl Iterator<Item = u32>,
         searches: &mut [Search],
     ) -> Vec<u32> {
-        let meets = |t: &u32| radial::cell(asked, self.ground.t3(*t), self.ground.positions(*t));
-        let covers: Vec<u32> = near.filter(|t| meets(t).is_some()).collect();
+        let meets = |t: &u32| radial::meet(asked.t3, self.ground.t3(*t));
+        let covers: Vec<u32> = near.filter(meets).collect();
         let Some(plane) = plane else {
             self.unknown(searches);
             return covers;
