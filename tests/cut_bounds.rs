@@ -14,6 +14,7 @@ use invertex::igt::Ambiguous;
 use invertex::lod::multiresolution::Limits;
 use invertex::lod::progressive::colour::Distance;
 use invertex::measure::displaced;
+use invertex::mesh::{Mesh, Weld};
 use invertex::param::PrimaryRequest;
 use invertex::render::{
     Camera, Correspond, Cuts, Cutter, Options, Output, Projection, Rendered, Renderer,
@@ -78,9 +79,9 @@ struct Found {
     pixels: usize,
     worst: f64,
     proved: f64,
-    /// Pixels that show a triangle behind which others lie, where nothing is promised, and how far they are displaced.
-    ambiguous: usize,
-    worst_ambiguous: f64,
+    /// Pixels that show a fold of the primary, where nothing is promised, and how far they are displaced.
+    folded: usize,
+    worst_folded: f64,
     /// Delta E of pixels whose point of the reference faces the eye: through the inverse texture, and by the artist's uv.
     inverse: Vec<f32>,
     plain: Vec<f32>,
@@ -135,8 +136,9 @@ impl<'a> Subject<'a> {
 fn check(name: &str, path: &std::path::Path, primary: PrimaryRequest, views: u64) {
     let built = built(path, primary);
     let mut subject = Subject::new(&built);
-    let promise = Promise::new(&built);
-    let ambiguous = ambiguous(&built);
+    let folds = folds(&built);
+    let promise = Promise::new(&built, &folds);
+    let instances = built.scene.instances();
     let mut found = Found::default();
     for i in 0..views {
         let camera = camera(&built, i);
@@ -148,9 +150,10 @@ fn check(name: &str, path: &std::path::Path, primary: PrimaryRequest, views: u64
             let Some(off) = off.map(f64::from) else {
                 continue;
             };
-            if ambiguous[image.draw[k] as usize].contains(&image.triangle[k]) {
-                found.ambiguous += 1;
-                found.worst_ambiguous = found.worst_ambiguous.max(off);
+            let mesh = instances[image.draw[k] as usize].mesh;
+            if folds[mesh].contains(&image.triangle[k]) {
+                found.folded += 1;
+                found.worst_folded = found.worst_folded.max(off);
             } else {
                 found.pixels += 1;
                 found.worst = found.worst.max(off);
@@ -183,8 +186,8 @@ fn check(name: &str, path: &std::path::Path, primary: PrimaryRequest, views: u64
 fn say(name: &str, built: &Built, views: u64, found: &mut Found) {
     let primary = built.meshes[0].tables.primary.kind;
     let numbers = format!(
-        "{views} views, {} pixels: at most {:.4} px, proved {:.4}; {} pixels ambiguous, at most {:.1}",
-        found.pixels, found.worst, found.proved, found.ambiguous, found.worst_ambiguous
+        "{views} views, {} pixels: at most {:.4} px, proved {:.4}; {} pixels of folds, at most {:.1}",
+        found.pixels, found.worst, found.proved, found.folded, found.worst_folded
     );
     long::proved(
         &format!("{name}, {primary}"),
@@ -223,17 +226,21 @@ fn say(name: &str, built: &Built, views: u64, found: &mut Found) {
     );
 }
 
-/// For each instance the triangles of its mesh that share a place of T3 with another of their layer.
-fn ambiguous(built: &Built) -> Vec<HashSet<u32>> {
-    let of = |instance: invertex::scene::Instance| match built.of_mesh(instance.mesh) {
-        None => HashSet::new(),
-        Some(b) => {
-            let mesh = &built.scene.meshes[instance.mesh];
-            let of = Ambiguous::of(mesh, &b.tables.primary, &b.triangle_layer).unwrap();
-            of.triangles.into_iter().collect()
-        }
+/// For each mesh the triangles that share a place of T3 with another of their layer, and those that touch one: a triangle of a
+/// cut that stands for them stands for a fold.
+fn folds(built: &Built) -> Vec<HashSet<u32>> {
+    let of = |(m, mesh): (usize, &Mesh)| {
+        let Some(b) = built.of_mesh(m) else {
+            return HashSet::new();
+        };
+        let of = Ambiguous::of(mesh, &b.tables.primary, &b.triangle_layer).unwrap();
+        let weld = Weld::by_position(&mesh.positions);
+        let places = |t: u32| mesh.triangles[t as usize].map(|v| weld.of[v as usize]);
+        let folded: HashSet<u32> = of.triangles.iter().flat_map(|&t| places(t)).collect();
+        let touches = |t: &u32| places(*t).iter().any(|place| folded.contains(place));
+        (0..mesh.triangles.len() as u32).filter(touches).collect()
     };
-    built.scene.instances().into_iter().map(of).collect()
+    built.scene.meshes.iter().enumerate().map(of).collect()
 }
 
 /// Differences of colours where both pictures show something and `counts`.

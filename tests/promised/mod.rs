@@ -9,6 +9,7 @@ use invertex::lod::multiresolution::{Hierarchy, Limits, Memory};
 use invertex::lod::progressive::Made;
 use invertex::lod::progressive::colour::{ColourDeviations, Colours, Distance};
 use invertex::render::Camera;
+use std::collections::HashSet;
 
 /// Points of cuts that colours decided.
 #[derive(Default)]
@@ -28,13 +29,15 @@ pub(crate) struct Promise<'a> {
 struct Promising<'a> {
     hierarchy: &'a Hierarchy,
     world: DMat4,
+    folds: &'a HashSet<u32>,
     model: Model,
     colours: Colours<'static>,
     levels: ColourDeviations,
 }
 
 impl<'a> Promise<'a> {
-    pub(crate) fn new(built: &'a Built) -> Self {
+    /// `folds` are triangles of each mesh that nothing is said of.
+    pub(crate) fn new(built: &'a Built, folds: &'a [HashSet<u32>]) -> Self {
         let promising = |instance: invertex::scene::Instance| {
             let of_mesh = built.of_mesh(instance.mesh)?;
             let hierarchy = of_mesh.hierarchy.as_ref()?;
@@ -43,6 +46,7 @@ impl<'a> Promise<'a> {
             Some(Promising {
                 hierarchy,
                 world: instance.world,
+                folds: &folds[instance.mesh],
                 colours: colours_of(&built.scene, mesh).0?,
                 model: Model::with(mesh.clone(), of_mesh.tables.primary),
                 levels: ColourDeviations {
@@ -118,6 +122,9 @@ impl Promising<'_> {
         let Some((t, own)) = self.model.shown(made, at) else {
             return;
         };
+        if self.folds.contains(&t) {
+            return;
+        }
         let corners = self.model.mesh.triangles[t as usize];
         let (here, there) = (self.place(made.corners, at), self.place(corners, own));
         let (Some(a), Some(b)) = (self.pixel(camera, here), self.pixel(camera, there)) else {
