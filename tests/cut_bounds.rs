@@ -6,15 +6,14 @@ mod colour;
 #[path = "long/mod.rs"]
 mod long;
 mod promised;
+mod unpromised;
 
 use colour::spread;
 use glam::DVec3;
 use invertex::asset::{BuildSettings, Built, Multiresolution, Processor, build};
-use invertex::igt::Ambiguous;
 use invertex::lod::multiresolution::Limits;
 use invertex::lod::progressive::colour::Distance;
 use invertex::measure::displaced;
-use invertex::mesh::{Mesh, Weld};
 use invertex::param::PrimaryRequest;
 use invertex::render::{
     Camera, Correspond, Cuts, Cutter, Options, Output, Projection, Rendered, Renderer,
@@ -22,7 +21,6 @@ use invertex::render::{
 };
 use invertex::scene::Scene;
 use promised::{Promise, Promised};
-use std::collections::HashSet;
 
 /// Corners are drawn on a grid of a sixteenth of a pixel: a point moves by half of one each way, at most.
 const RASTER: f64 = 0.0443;
@@ -82,6 +80,9 @@ struct Found {
     /// Pixels that show a fold of the primary, where nothing is promised, and how far they are displaced.
     folded: usize,
     worst_folded: f64,
+    /// Pixels that ask for a place beyond the rims of all charts, and get the nearest.
+    beyond_rims: usize,
+    worst_beyond_rims: f64,
     /// Delta E of pixels whose point of the reference faces the eye: through the inverse texture, and by the artist's uv.
     inverse: Vec<f32>,
     plain: Vec<f32>,
@@ -136,8 +137,8 @@ impl<'a> Subject<'a> {
 fn check(name: &str, path: &std::path::Path, primary: PrimaryRequest, views: u64) {
     let built = built(path, primary);
     let mut subject = Subject::new(&built);
-    let folds = folds(&built);
-    let promise = Promise::new(&built, &folds);
+    let unpromised = unpromised::of(&built);
+    let promise = Promise::new(&built, &unpromised);
     let instances = built.scene.instances();
     let mut found = Found::default();
     for i in 0..views {
@@ -150,14 +151,16 @@ fn check(name: &str, path: &std::path::Path, primary: PrimaryRequest, views: u64
             let Some(off) = off.map(f64::from) else {
                 continue;
             };
-            let mesh = instances[image.draw[k] as usize].mesh;
-            if folds[mesh].contains(&image.triangle[k]) {
-                found.folded += 1;
-                found.worst_folded = found.worst_folded.max(off);
+            let mesh = &unpromised[instances[image.draw[k] as usize].mesh];
+            let (pixels, worst) = if mesh.folds.contains(&image.triangle[k]) {
+                (&mut found.folded, &mut found.worst_folded)
+            } else if mesh.is_on_rim(image.triangle[k], image.barycentric[k]) {
+                (&mut found.beyond_rims, &mut found.worst_beyond_rims)
             } else {
-                found.pixels += 1;
-                found.worst = found.worst.max(off);
-            }
+                (&mut found.pixels, &mut found.worst)
+            };
+            *pixels += 1;
+            *worst = worst.max(off);
         }
         let cuts = subject.cut(&camera, Some(COLOUR));
         let truth = subject.drawn(&cuts, &camera, Correspond::Reference);
@@ -186,8 +189,14 @@ fn check(name: &str, path: &std::path::Path, primary: PrimaryRequest, views: u64
 fn say(name: &str, built: &Built, views: u64, found: &mut Found) {
     let primary = built.meshes[0].tables.primary.kind;
     let numbers = format!(
-        "{views} views, {} pixels: at most {:.4} px, proved {:.4}; {} pixels of folds, at most {:.1}",
-        found.pixels, found.worst, found.proved, found.folded, found.worst_folded
+        "{views} views, {} pixels: at most {:.4} px, proved {:.4}; {} of folds: {:.1}; {} beyond rims: {:.2}",
+        found.pixels,
+        found.worst,
+        found.proved,
+        found.folded,
+        found.worst_folded,
+        found.beyond_rims,
+        found.worst_beyond_rims
     );
     long::proved(
         &format!("{name}, {primary}"),
@@ -224,23 +233,6 @@ fn say(name: &str, built: &Built, views: u64, found: &mut Found) {
         "where colours decide",
         &numbers,
     );
-}
-
-/// For each mesh the triangles that share a place of T3 with another of their layer, and those that touch one: a triangle of a
-/// cut that stands for them stands for a fold.
-fn folds(built: &Built) -> Vec<HashSet<u32>> {
-    let of = |(m, mesh): (usize, &Mesh)| {
-        let Some(b) = built.of_mesh(m) else {
-            return HashSet::new();
-        };
-        let of = Ambiguous::of(mesh, &b.tables.primary, &b.triangle_layer).unwrap();
-        let weld = Weld::by_position(&mesh.positions);
-        let places = |t: u32| mesh.triangles[t as usize].map(|v| weld.of[v as usize]);
-        let folded: HashSet<u32> = of.triangles.iter().flat_map(|&t| places(t)).collect();
-        let touches = |t: &u32| places(*t).iter().any(|place| folded.contains(place));
-        (0..mesh.triangles.len() as u32).filter(touches).collect()
-    };
-    built.scene.meshes.iter().enumerate().map(of).collect()
 }
 
 /// Differences of colours where both pictures show something and `counts`.

@@ -3,6 +3,7 @@
 use crate::PIXELS;
 use crate::colour::sampled::differences;
 use crate::colour::{Model, spread};
+use crate::unpromised::Unpromised;
 use glam::{DMat4, DVec3};
 use invertex::asset::{Built, colours_of};
 use invertex::lod::multiresolution::{Hierarchy, Limits, Memory};
@@ -36,8 +37,8 @@ struct Promising<'a> {
 }
 
 impl<'a> Promise<'a> {
-    /// `folds` are triangles of each mesh that nothing is said of.
-    pub(crate) fn new(built: &'a Built, folds: &'a [HashSet<u32>]) -> Self {
+    /// Nothing is said of the folds of `unpromised`.
+    pub(crate) fn new(built: &'a Built, unpromised: &'a [Unpromised]) -> Self {
         let promising = |instance: invertex::scene::Instance| {
             let of_mesh = built.of_mesh(instance.mesh)?;
             let hierarchy = of_mesh.hierarchy.as_ref()?;
@@ -46,7 +47,7 @@ impl<'a> Promise<'a> {
             Some(Promising {
                 hierarchy,
                 world: instance.world,
-                folds: &folds[instance.mesh],
+                folds: &unpromised[instance.mesh].folds,
                 colours: colours_of(&built.scene, mesh).0?,
                 model: Model::with(mesh.clone(), of_mesh.tables.primary),
                 levels: ColourDeviations {
