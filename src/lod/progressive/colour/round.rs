@@ -10,7 +10,7 @@ use super::ground::Ground;
 use super::landing::{Cell, Linear};
 use super::palette::Palette;
 use super::passed::Rectangle;
-use super::piece::Ready;
+use super::piece::{Places, Ready};
 use super::polygon::Polygon;
 use crate::mesh::NONE;
 use glam::{DVec2, DVec3};
@@ -81,11 +81,11 @@ pub(super) struct Round<'a> {
 }
 
 /// What may be shown: a rectangle of what a triangle shows.
-struct Shown<'a> {
+struct Shown {
     triangle: u32,
     within: Rectangle,
     /// What is shown if places there vary linearly between the part's corners, and by how much they do not; none for rims.
-    linear: Option<(Ready<'a>, DVec2)>,
+    linear: Option<(Places, DVec2)>,
 }
 
 /// A part of a cell: a triangle, its corners' points of T3 and of the simplified triangle's plane there.
@@ -133,6 +133,10 @@ impl<'a> Round<'a> {
                     continue;
                 }
                 let upper = self.upper(cell.triangle, &part, &shown, (k, search));
+                if upper <= search.upper {
+                    // Another part may show more: nothing is gained here.
+                    continue;
+                }
                 if upper <= search.enough() || looked + waiting.len() >= PATIENCE {
                     search.settle(upper);
                 } else {
@@ -174,7 +178,7 @@ impl<'a> Round<'a> {
     }
 
     /// What may be shown at the feet of a part: of all triangles there, and of rims that the ways there may lead over.
-    fn shown(&self, from: u32, part: &Part) -> Option<Vec<Shown<'a>>> {
+    fn shown(&self, from: u32, part: &Part) -> Option<Vec<Shown>> {
         let (feet, points) = (self.rectangle(&part.feet)?, self.rectangle(&part.points)?);
         let whole = Rectangle::around([feet.low, feet.high, points.low, points.high]);
         let (mut shown, mut seen, mut next) = (Vec::new(), vec![from], 0);
@@ -210,7 +214,7 @@ impl<'a> Round<'a> {
     }
 
     /// What of triangle `t` is shown at the feet of a part of another; none where nothing is.
-    fn there(&self, t: u32, sides: &Sides, (from, part): (u32, &Part)) -> Option<Shown<'a>> {
+    fn there(&self, t: u32, sides: &Sides, (from, part): (u32, &Part)) -> Option<Shown> {
         if sides.miss(&part.feet) {
             return None;
         }
@@ -253,7 +257,7 @@ impl<'a> Round<'a> {
                 low: around.low.max(all.low),
                 high: around.high.min(all.high),
             },
-            linear: Some((Ready::new(self.palette, [from, t], linear), bent + moved)),
+            linear: Some((linear, bent + moved)),
         })
     }
 
@@ -261,7 +265,7 @@ impl<'a> Round<'a> {
         &self,
         t: u32,
         part: &Part,
-        shown: &[Shown<'_>],
+        shown: &[Shown],
         (level, search): (usize, &Search),
     ) -> f32 {
         let own = Linear::<DVec2>::through(self.palette.coordinates(t));
@@ -270,24 +274,24 @@ impl<'a> Round<'a> {
             .palette
             .side(t, t, level)
             .summary_of(around.low, around.high);
-        let there = |s: &Shown<'_>| {
+        let there = |s: &Shown| {
             let side = self.palette.side(s.triangle, t, level);
             let farthest = known.farthest(&side.summary_of(s.within.low, s.within.high));
-            let Some((linear, more)) = &s.linear else {
+            let Some((places, more)) = &s.linear else {
                 return farthest;
             };
-            let mut own = search.afresh(POLYGONS);
-            if farthest <= own.enough() {
+            if farthest <= search.enough().max(search.upper) {
                 return farthest;
             }
-            linear.look_at(level, &mut own);
+            let mut own = search.afresh(POLYGONS);
+            Ready::new(self.palette, [t, s.triangle], *places).look_at(level, &mut own);
             farthest.min(own.upper + side.along(*more))
         };
         shown.iter().map(there).fold(0.0, f32::max)
     }
 
     /// What a part's corners and its middle attain.
-    fn attained(&self, cell: &Cell, part: &Part, shown: &[Shown<'_>], searches: &mut [Search]) {
+    fn attained(&self, cell: &Cell, part: &Part, shown: &[Shown], searches: &mut [Search]) {
         let t = cell.triangle;
         let triangle = Polygon::new(part.corners);
         for r in part.corners.iter().chain([&triangle.middle()]) {
