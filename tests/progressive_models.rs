@@ -3,15 +3,16 @@
 //! level's folds lie a little beside the reference's, and between the two another sheet answers, for which nothing is said.
 //! Spot and the apple in the suite; every shared model, ten million points, with `INVERTEX_LONG=1`.
 
+mod exact;
 #[path = "long/mod.rs"]
 mod long;
 mod parted;
 
+use exact::Exact;
 use invertex::igt::{Ambiguous, Asker, BuildOptions, Layout, Needs, Reference, Tables, build_cpu};
 use invertex::lod::progressive::{Cost, Made, Progressive};
-use invertex::mesh::{Mesh, Weld};
+use invertex::mesh::Mesh;
 use invertex::param::PrimaryRequest;
-use invertex::param::projection::hit;
 use invertex::scene::Scene;
 use parted::{Model, spread};
 use rayon::prelude::*;
@@ -26,9 +27,7 @@ struct Subject {
     model: Model,
     tables: Tables,
     ambiguous: HashSet<u32>,
-    weld: Weld,
-    /// For each place the triangles there.
-    around: Vec<Vec<u32>>,
+    exact: Exact,
 }
 
 /// What was found: points that were answered, those above the bound, the worst of them as a share of the bound.
@@ -51,16 +50,8 @@ impl Subject {
         };
         let tables = build_cpu(&reference, &Needs::default(), options).unwrap();
         let ambiguous = Ambiguous::of(mesh, &model.primary, layer).unwrap();
-        let weld = Weld::by_position(&mesh.positions);
-        let mut around = vec![Vec::new(); mesh.positions.len()];
-        for (t, triangle) in (0u32..).zip(&mesh.triangles) {
-            for v in triangle {
-                around[weld.of[*v as usize] as usize].push(t);
-            }
-        }
         Subject {
-            weld,
-            around,
+            exact: Exact::new(&model.mesh),
             tables,
             ambiguous: ambiguous.triangles.into_iter().collect(),
             model,
@@ -82,28 +73,11 @@ impl Subject {
         if !found.hit || self.ambiguous.contains(&found.triangle) {
             return None;
         }
-        // Tables round the triangles of a sphere and a cylinder (to 16 bits, where they are large): a renderer has that error beside
-        // the bound. Here the answer is made exact, on the triangle found or one beside it.
-        let here = model.point(t.corners, b);
-        let near = model.mesh.triangles[found.triangle as usize];
-        let far = |&t: &u32| {
-            let triangle = model.mesh.triangles[t as usize];
-            let met = hit(
-                model.primary.line(),
-                query,
-                &triangle.map(|v| model.grid(v)),
-            )?;
-            let there = model.point(triangle, met.barycentric().map(f64::from));
-            (met.sense == asker.side).then_some(there.distance(here))
-        };
-        let around = near.iter().flat_map(|&v| self.around(v));
-        let far = far(&found.triangle).or_else(|| around.filter_map(far).min_by(f64::total_cmp))?;
+        let of = (&model.mesh, &model.primary);
+        let (met, shares) = self.exact.at(of, (query, asker.side), found.triangle)?;
+        let there = model.point(model.mesh.triangles[met as usize], shares);
+        let far = there.distance(model.point(t.corners, b));
         Some((far, f64::from(t.deviation.total)))
-    }
-
-    /// The triangles at the place of a vertex.
-    fn around(&self, v: u32) -> &[u32] {
-        &self.around[self.weld.of[v as usize] as usize]
     }
 
     fn check(&self, points: u64) -> Found {

@@ -1,6 +1,7 @@
 //! Models, pictures and samples for the tests of colour deviations: everything found another way than by what is tested.
 #![allow(dead_code, reason = "each test file uses a part")]
 
+use exact::Exact;
 use glam::{DMat3, DVec3};
 use invertex::igt::{Ambiguous, Asker, BuildOptions, Layout, Needs, Reference, Tables, build_cpu};
 use invertex::lod::LodInput;
@@ -12,6 +13,8 @@ use invertex::param::{Parts, Primary, PrimaryKind, PrimaryRequest, parameterize,
 use std::borrow::Cow;
 use std::collections::HashSet;
 
+#[path = "../exact/mod.rs"]
+mod exact;
 pub(crate) mod found;
 pub(crate) mod sampled;
 
@@ -25,6 +28,7 @@ pub(crate) struct Model {
     piece: Vec<u32>,
     /// Triangles behind which others lie.
     ambiguous: HashSet<u32>,
+    exact: Exact,
 }
 
 impl Model {
@@ -53,6 +57,7 @@ impl Model {
         let ambiguous = Ambiguous::of(&mesh, &primary, &parts.triangle_layer).unwrap();
         Model {
             piece: pieces(&mesh, &primary),
+            exact: Exact::new(&mesh),
             mesh,
             primary,
             parts,
@@ -100,18 +105,17 @@ impl Model {
 
     /// The reference's triangle and barycentric coordinates at a point of a simplified triangle, or of its plane.
     pub(crate) fn shown(&self, made: &Made, b: [f64; 3]) -> Option<(u32, [f64; 3])> {
-        let found = self.found(made, b)?;
-        let single = !self.ambiguous.contains(&found.triangle);
-        single.then(|| (found.triangle, found.barycentric.map(f64::from)))
+        let (t, shares) = self.found(made, b)?;
+        (!self.ambiguous.contains(&t)).then_some((t, shares))
     }
 
     /// Whether others lie behind what is shown there.
     pub(crate) fn is_ambiguous(&self, made: &Made, b: [f64; 3]) -> bool {
         let found = self.found(made, b);
-        found.is_some_and(|found| self.ambiguous.contains(&found.triangle))
+        found.is_some_and(|(t, _)| self.ambiguous.contains(&t))
     }
 
-    fn found(&self, made: &Made, b: [f64; 3]) -> Option<invertex::igt::Found> {
+    fn found(&self, made: &Made, b: [f64; 3]) -> Option<(u32, [f64; 3])> {
         let corners = made.corners.map(|v| {
             let t3 = self.primary.t3_of(&self.mesh, v as usize);
             self.primary.to_grid(t3)
@@ -122,7 +126,9 @@ impl Model {
             grazed: false,
             ..Asker::of(self.primary.line(), &corners, Some(made.layer))
         };
-        self.tables.lookup(query, asker, false).filter(|f| f.hit)
+        let found = self.tables.lookup(query, asker, false).filter(|f| f.hit)?;
+        let of = (&self.mesh, &self.primary);
+        self.exact.at(of, (query, asker.side), found.triangle)
     }
 }
 

@@ -19,7 +19,7 @@ const SLACK: f32 = 1.03;
 /// Polygons that a search may look at before it takes bounds as they are.
 const PATIENCE: u32 = 60_000;
 /// What rounding in the arithmetic of colours may take away.
-const ROUNDING: f32 = 1e-3;
+pub(super) const ROUNDING: f32 = 1e-3;
 
 /// Two places in texels: x and y of the first; x, y and weight of the second.
 pub(super) type Pair = Polygon<5>;

@@ -186,6 +186,8 @@ pub fn colour_deviations(
     let made = history.triangles.len() - first;
     let mut of = vec![ColourDeviation::default(); made * levels];
     let (mut known, mut met) = (0, 0);
+    // Up to the floor nothing is looked at closely, and every bound allows for rounding.
+    let matters = distance.floor() + 2.0 * bound::ROUNDING;
     covers::replay(history, &against, |t, measured| {
         let own = &mut of[(t - first) * levels..][..levels];
         for (k, own) in own.iter_mut().enumerate() {
@@ -193,9 +195,9 @@ pub fn colour_deviations(
                 tangential: measured.tangential[k],
                 product: measured.product[k],
             };
-            known += usize::from(own.tangential > distance.floor());
             let attained = measured.attained[k] >= MET * own.tangential;
-            met += usize::from(own.tangential > distance.floor() && attained);
+            known += usize::from(own.tangential > matters);
+            met += usize::from(own.tangential > matters && attained);
         }
     });
     Ok(ColourDeviations {
