@@ -149,6 +149,13 @@ impl<'a> Round<'a> {
         }
     }
 
+    /// How far from each other in T3 the middle of a cell and its foot are.
+    pub(super) fn displaced(&self, cell: &Cell) -> f64 {
+        let middle = [1.0 / 3.0; 2];
+        let own = Linear::<DVec3>::through(self.ground.t3(cell.triangle));
+        self.foot(cell, &middle).distance(own.of(&middle))
+    }
+
     fn part(&self, cell: &Cell, corners: [[f64; 2]; 3]) -> Part {
         let own = Linear::<DVec3>::through(self.ground.t3(cell.triangle));
         Part {

@@ -143,8 +143,14 @@ impl Against<'_> {
             return covers;
         };
         let round = Round::new(&self.ground, &self.palette, asked);
-        for &t in &covers {
-            round.bound(&self.round_cell(plane, t), searches);
+        // The farthest first: what cannot raise the bound after them is not looked at.
+        let mut cells: Vec<Cell> = covers.iter().map(|&t| self.round_cell(plane, t)).collect();
+        cells
+            .iter_mut()
+            .for_each(|cell| cell.far = round.displaced(cell));
+        cells.sort_by(|a, b| b.far.total_cmp(&a.far));
+        for cell in &cells {
+            round.bound(cell, searches);
             for k in (1..searches.len()).rev() {
                 searches[k - 1].reach(searches[k].lower);
             }
