@@ -156,7 +156,7 @@ fn chains_are_nested_and_share_one_budget() {
         })
         .collect();
     let fractions = [0.1, 0.4];
-    let chains = nested_chains(&inputs, (&[], Cost::Displacement), &fractions).unwrap();
+    let chains = nested_chains(&inputs, &[], Cost::Displacement, &fractions).unwrap();
     let whole: usize = inputs.iter().map(|input| input.mesh.triangles.len()).sum();
     for (k, fraction) in fractions.iter().enumerate() {
         let triangles: usize = chains.iter().map(|chain| chain[k].triangles.len()).sum();
@@ -192,7 +192,7 @@ fn chains_are_nested_and_share_one_budget() {
         assert!(chain[0].error > chain[1].error);
     }
     assert_eq!(
-        nested_chains(&inputs, (&[], Cost::Displacement), &[0.0])
+        nested_chains(&inputs, &[], Cost::Displacement, &[0.0])
             .unwrap_err()
             .exit_code(),
         2

@@ -139,23 +139,21 @@ impl<'a> Work<'a> {
                 lod::chains_in_motion(&inputs, &shapes, fractions)
             }
             Simplifier::Progressive(cost) => {
-                lod::nested_chains(&inputs, (&histories, cost), fractions)
+                lod::nested_chains(&inputs, &histories, cost, fractions)
             }
         })?;
         let hierarchy = |(input, history): (&LodInput<'_>, Option<Progressive>)| {
             let hierarchy = history.map(|history| self.hierarchy(scene, input, history));
             hierarchy.transpose()
         };
-        let none = std::iter::repeat_with(|| None);
-        let histories = inputs.iter().zip(histories.into_iter().chain(none));
-        let hierarchies = histories.map(hierarchy).collect::<Result<_>>()?;
-        Ok((chains, hierarchies))
+        let hierarchies = inputs.iter().zip(histories).map(hierarchy);
+        Ok((chains, hierarchies.collect::<Result<_>>()?))
     }
 
-    /// The histories that views will cut, of meshes that stand still.
+    /// For each mesh the history that views will cut: of those that stand still, where it is wanted.
     fn histories(&mut self, inputs: &[LodInput<'_>]) -> Result<Vec<Option<Progressive>>> {
         if self.settings.multiresolution == Multiresolution::None {
-            return Ok(Vec::new());
+            return Ok(vec![None; inputs.len()]);
         }
         let cost = match self.settings.simplifier {
             Simplifier::Progressive(cost) => cost,

@@ -107,18 +107,19 @@ pub fn chains(meshes: &[LodInput<'_>], fractions: &[f32]) -> Result<Vec<Vec<Lod>
     chains_in_motion(meshes, &[], fractions)
 }
 
-/// The same by progressive meshes: levels are nested, and their error is a bound. Histories of the meshes that are `known` are not
-/// made again (`known` may be shorter), those of others are, by `cost`.
+/// The same by progressive meshes: levels are nested, and their error is a bound. Histories that are `known`, one for each mesh
+/// (or nothing), are not made again; those of others are, by `cost`.
 ///
 /// # Errors
 /// As [`chains`].
 pub fn nested_chains(
     meshes: &[LodInput<'_>],
-    (known, cost): (&[Option<Progressive>], Cost),
+    known: &[Option<Progressive>],
+    cost: Cost,
     fractions: &[f32],
 ) -> Result<Vec<Vec<Lod>>> {
     check(fractions)?;
-    Ok(nested::chains(meshes, (known, cost), fractions))
+    Ok(nested::chains(meshes, known, cost, fractions))
 }
 
 /// The same of a model that moves: `shapes` has, for each mesh, its vertices' positions in up to [`MOST_POSES`] poses, none

@@ -18,7 +18,8 @@ const BEYOND: f64 = 8.0;
 /// that are not `known` are made, by `cost`.
 pub(super) fn chains(
     meshes: &[LodInput<'_>],
-    (known, cost): (&[Option<Progressive>], Cost),
+    known: &[Option<Progressive>],
+    cost: Cost,
     fractions: &[f32],
 ) -> Vec<Vec<Lod>> {
     let coarsest = fractions.iter().copied().fold(1.0, f32::min);

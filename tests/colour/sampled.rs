@@ -24,14 +24,7 @@ pub(crate) fn largest(
     made: &Made,
     points: u64,
 ) -> Seen {
-    let sampling = Sampling {
-        model,
-        colours,
-        deviations,
-        distance,
-        made,
-        corners: made.corners.map(|v| model.position(v)),
-    };
+    let sampling = Sampling::new(model, (colours, distance), deviations, made);
     let mut seen = Seen {
         points: 0,
         largest: vec![0.0; deviations.levels],
@@ -78,14 +71,7 @@ pub(crate) fn differences(
     distance: Distance,
     (made, at): (&Made, [f64; 3]),
 ) -> Option<Vec<f64>> {
-    let sampling = Sampling {
-        model,
-        colours,
-        deviations,
-        distance,
-        made,
-        corners: made.corners.map(|v| model.position(v)),
-    };
+    let sampling = Sampling::new(model, (colours, distance), deviations, made);
     let shown = model.shown(made, at)?;
     let foot = sampling.foot(shown);
     let ambiguous = (0..=STEPS).any(|k| {
@@ -115,7 +101,23 @@ struct Sampling<'a> {
     corners: [DVec3; 3],
 }
 
-impl Sampling<'_> {
+impl<'a> Sampling<'a> {
+    fn new(
+        model: &'a Model,
+        (colours, distance): (&'a Colours<'a>, Distance),
+        deviations: &'a ColourDeviations,
+        made: &'a Made,
+    ) -> Self {
+        Sampling {
+            model,
+            colours,
+            deviations,
+            distance,
+            made,
+            corners: made.corners.map(|v| model.position(v)),
+        }
+    }
+
     fn position(&self, t: u32, b: [f64; 3]) -> DVec3 {
         let [x, y, z] = self.model.mesh.triangles[t as usize].map(|v| self.model.position(v));
         x * b[0] + y * b[1] + z * b[2]

@@ -91,6 +91,7 @@ pub(super) struct Surface<'a> {
     on_rim: Vec<bool>,
     /// None where there are no rims.
     grounds: Option<Grounds>,
+    /// What prices are made of.
     cost: Cost,
     /// What each place's collapse cost when it was last planned. Deviations seldom fall as the surface gets coarser: a place
     /// whose surroundings changed is not planned again before its turn comes.
