@@ -317,10 +317,13 @@ impl AttributeSet {
             frame.normal.each_ref().map(|r| dot3(row(r), object)),
             [0.0, 0.0, 1.0],
         );
+        let slot = corner[3] * MATERIAL_WORDS as u32 + SLOTS_AT as u32 + 2 * SLOT_WORDS as u32;
+        if self.materials[slot as usize] == NO_TEXTURE {
+            return n;
+        }
         let object = self.weighted3(corner, 3, p.b);
         let t = frame.world.each_ref().map(|r| dot3(row(r), object));
-        let slot = corner[3] * MATERIAL_WORDS as u32 + SLOTS_AT as u32 + 2 * SLOT_WORDS as u32;
-        if self.materials[slot as usize] == NO_TEXTURE || dot3(t, t) <= 1e-30 {
+        if dot3(t, t) <= 1e-30 {
             return n;
         }
         let scale = self.material_float(corner[3] * MATERIAL_WORDS as u32 + 9);

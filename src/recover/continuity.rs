@@ -7,7 +7,7 @@
 //! and half a texel further. So neighbours across a seam are as near on the surface as texels of either chart are fine.
 
 use super::laid::Laid;
-use super::texel::{self, cross, less};
+use super::texel::{self, Flat, cross, less};
 use crate::mesh::{Adjacency, NONE, Weld};
 use rayon::prelude::*;
 
@@ -31,8 +31,8 @@ pub(crate) struct Links {
 
 impl Links {
     pub(crate) fn new(low: &Laid, size: u32) -> Links {
-        let all = 0..low.object.triangles.len() as u32;
-        let owners = texel::owners(&low.object, all, size, 0..size);
+        let walk = Walk::new(low, size);
+        let owners = &walk.owners;
         let texels: Vec<u32> = (0..owners.len() as u32)
             .filter(|&at| owners[at as usize] != NONE)
             .collect();
@@ -40,15 +40,6 @@ impl Links {
         for (k, &at) in texels.iter().enumerate() {
             number[at as usize] = k as u32;
         }
-        let welded = low.weld.triangles(&low.world.triangles);
-        let walk = Walk {
-            low,
-            size,
-            owners: &owners,
-            across: Adjacency::new(&welded).across,
-            flat: Weld::by_position_and_uv(&low.world, 0).triangles(&low.world.triangles),
-            welded,
-        };
         let next = texels.par_iter().map(|&at| {
             WAYS.map(|way| match walk.next(at, way) {
                 Some(place) => number[place as usize],
@@ -64,9 +55,24 @@ impl Links {
         }
     }
 
+    /// The number of the texel at a place of the texture; [`NONE`] off the surface.
+    pub(super) fn at_place(&self, place: u32) -> u32 {
+        self.number[place as usize]
+    }
+
     /// The number of the texel at texture coordinates; [`NONE`] outside.
     pub(crate) fn at_uv(&self, uv: [f32; 2]) -> u32 {
         self.number[texel::place(self.size, uv)]
+    }
+
+    /// Texels, by number, and ways from them that lead to no other.
+    pub(super) fn open(&self) -> Vec<(u32, usize)> {
+        let all = self.next.iter().enumerate();
+        let open = all.flat_map(|(k, next)| {
+            let ways = (0..4).filter(|&way| next[way] == NONE);
+            ways.map(move |way| (k as u32, way))
+        });
+        open.collect()
     }
 
     /// The number of the texel beside texel `k` (left, right, up, down) if it lies beside it in the texture too.
@@ -83,29 +89,60 @@ pub(crate) fn centres(low: &Laid, links: &Links, size: u32) -> Vec<(usize, [f32;
     let centre = |(&at, &owner): (&u32, &u32)| {
         let corners = texel::corners(&low.object, owner as usize, size);
         let middle = [at % size, at / size].map(|c| f64::from(c) + 0.5);
-        let b = texel::barycentric(&corners, middle).unwrap_or([1.0, 0.0, 0.0]);
+        let b = Flat::new(&corners)
+            .barycentric(middle)
+            .unwrap_or([1.0, 0.0, 0.0]);
         (owner as usize, b)
     };
     let texels = links.texels.par_iter().zip(&links.owner);
     texels.map(centre).collect()
 }
 
-struct Walk<'a> {
-    low: &'a Laid,
+/// Steps from texel to texel over one surface.
+pub(super) struct Walk<'a> {
+    pub(super) low: &'a Laid,
     size: u32,
-    owners: &'a [u32],
+    /// The triangle at each place of the texture.
+    owners: Vec<u32>,
     /// Corners by place.
     welded: Vec<[u32; 3]>,
     /// Corners by place in space and texture.
     flat: Vec<[u32; 3]>,
-    across: Vec<[u32; 3]>,
+    pub(super) across: Vec<[u32; 3]>,
 }
 
-impl Walk<'_> {
+/// How a line leaves a chart.
+enum Left {
+    /// Into a triangle across a seam, at a place half a texel inside it.
+    Over(usize, [f64; 2]),
+    /// Over an edge beyond which the surface has nothing.
+    Out(Crossing),
+}
+
+/// Where a line crosses an edge: `share` of the way from corner `k` of triangle `t` to the next corner.
+pub(super) struct Crossing {
+    pub(super) t: usize,
+    pub(super) k: usize,
+    pub(super) share: f64,
+}
+
+impl<'a> Walk<'a> {
+    pub(super) fn new(low: &'a Laid, size: u32) -> Walk<'a> {
+        let all = 0..low.object.triangles.len() as u32;
+        let welded = low.weld.triangles(&low.world.triangles);
+        Walk {
+            low,
+            size,
+            owners: texel::owners(&low.object, all, size, 0..size),
+            across: Adjacency::new(&welded).across,
+            flat: Weld::by_position_and_uv(&low.world, 0).triangles(&low.world.triangles),
+            welded,
+        }
+    }
+
     /// The place of the texel next to place `at`.
     fn next(&self, at: u32, way: [f64; 2]) -> Option<u32> {
-        let centre = [at % self.size, at / self.size].map(|c| f64::from(c) + 0.5);
-        let to = [centre[0] + way[0], centre[1] + way[1]];
+        let (from, to) = self.step(at, way);
         let own = self.owners[at as usize];
         let place = self.place(to);
         if let Some(place) = place
@@ -113,7 +150,29 @@ impl Walk<'_> {
         {
             return Some(place);
         }
-        let (t, uv) = self.over_seam(own as usize, centre, to)?;
+        match self.leave(own as usize, from, to)? {
+            Left::Over(t, uv) => self.place_of(t, uv),
+            Left::Out(_) => None,
+        }
+    }
+
+    /// Where a step from place `at` leaves the surface.
+    pub(super) fn border(&self, at: u32, way: usize) -> Option<Crossing> {
+        let (from, to) = self.step(at, WAYS[way]);
+        match self.leave(self.owners[at as usize] as usize, from, to)? {
+            Left::Over(..) => None,
+            Left::Out(crossing) => Some(crossing),
+        }
+    }
+
+    /// From the middle of the texel at place `at` to that of the one beside it.
+    fn step(&self, at: u32, way: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        let from = [at % self.size, at / self.size].map(|c| f64::from(c) + 0.5);
+        (from, [from[0] + way[0], from[1] + way[1]])
+    }
+
+    /// The place of texel `uv` if the chart of triangle `t` has it.
+    pub(super) fn place_of(&self, t: usize, uv: [f64; 2]) -> Option<u32> {
         let place = self.place(uv)?;
         (self.chart_at(place) == Some(self.low.chart[t])).then_some(place)
     }
@@ -129,20 +188,30 @@ impl Walk<'_> {
         (owner != NONE).then(|| self.low.chart[owner as usize])
     }
 
-    /// Follows the straight line in the texture from `from` (in triangle `t`) towards `to` until it leaves the chart; the
-    /// triangle on the other side, and a point half a texel inside it.
-    fn over_seam(&self, mut t: usize, from: [f64; 2], to: [f64; 2]) -> Option<(usize, [f64; 2])> {
+    /// Follows the straight line in the texture from `from` (in triangle `t`) towards `to` until it leaves the chart.
+    fn leave(&self, mut t: usize, from: [f64; 2], to: [f64; 2]) -> Option<Left> {
         let mut came = NONE;
         for _ in 0..STEPS {
             let corners = texel::corners(&self.low.object, t, self.size);
             let k = self.leaves(&corners, t, came, from, to)?;
+            let crossing = || Crossing {
+                t,
+                k,
+                share: share([corners[k], corners[(k + 1) % 3]], from, to),
+            };
             let other = self.across[t][k];
             if other == NONE {
-                return None;
+                return Some(Left::Out(crossing()));
             }
             let next = other as usize;
             if !self.joined(t, k, next) {
-                return Some((next, self.landed(t, k, next, &corners, from, to)?));
+                let corner = |k: usize| {
+                    let v = self.welded[t][k % 3];
+                    self.welded[next].iter().position(|&w| w == v)
+                };
+                let ends = [corner(k)?, corner(k + 1)?];
+                let uv = self.landed(next, ends, crossing().share)?;
+                return Some(Left::Over(next, uv));
             }
             (came, t) = (t as u32, next);
         }
@@ -186,26 +255,12 @@ impl Walk<'_> {
         best.map(|(_, k)| k)
     }
 
-    /// Where the line, having crossed edge `k` of `t`, goes on in `next`: half a texel from the same edge there.
-    fn landed(
-        &self,
-        t: usize,
-        k: usize,
-        next: usize,
-        corners: &[[f64; 2]; 3],
-        from: [f64; 2],
-        to: [f64; 2],
-    ) -> Option<[f64; 2]> {
-        let (a, b) = (corners[k], corners[(k + 1) % 3]);
-        let (edge, way) = (less(b, a), less(to, from));
-        let share = cross(less(from, a), way) / cross(edge, way);
-        let share = share.clamp(0.0, 1.0);
-        let there = texel::corners(&self.low.object, next, self.size);
-        let corner = |v: u32| self.welded[next].iter().position(|&w| w == v);
-        let (i, j) = (
-            corner(self.welded[t][k])?,
-            corner(self.welded[t][(k + 1) % 3])?,
-        );
+    /// Half a texel inside triangle `t`, from the point that is `share` of the way between two of its corners.
+    pub(super) fn landed(&self, t: usize, [i, j]: [usize; 2], share: f64) -> Option<[f64; 2]> {
+        if i == j {
+            return None;
+        }
+        let there = texel::corners(&self.low.object, t, self.size);
         let (p, q, apex) = (there[i], there[j], there[3 - i - j]);
         let at = [0, 1].map(|x| p[x] + (q[x] - p[x]) * share);
         let along = less(q, p);
@@ -219,6 +274,13 @@ impl Walk<'_> {
         }
         Some([0, 1].map(|x| at[x] + inwards[x] / length * 0.5))
     }
+}
+
+/// How much of an edge lies before the line from `from` to `to` crosses it.
+fn share([a, b]: [[f64; 2]; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
+    let (edge, way) = (less(b, a), less(to, from));
+    let share = cross(less(from, a), way) / cross(edge, way);
+    share.clamp(0.0, 1.0)
 }
 
 #[cfg(test)]

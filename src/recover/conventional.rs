@@ -8,8 +8,9 @@
 //! the LoD's tangent frame. Metalness, roughness and emission become their means over the texels; occlusion is left out.
 
 use super::atlas::{self, PADDING};
-use super::low::{ROWS, UPRIGHT, into_frame, unwrapped};
-use super::{fill, texel};
+use super::fill;
+use super::low::{Corners, ROWS, UPRIGHT, unwrapped};
+use super::texel::{self, Flat};
 use crate::attribute::arithmetic::{V3, srgb_encode, unit_encode};
 use crate::attribute::surface::{Frame, Surface};
 use crate::attribute::{
@@ -117,7 +118,7 @@ impl Baking {
         let owner = texel::owners(low, all, self.size, 0..self.size);
         let texel = |(at, &t): (usize, &u32)| {
             let t = t as usize;
-            let corners = *low.triangles.get(t)?;
+            low.triangles.get(t)?;
             let at = [at as u32 % self.size, at as u32 / self.size];
             let drawn = self.drawn(low, lod, tables, t, at);
             let t3 = lod.triangles[t].map(|v| {
@@ -130,7 +131,7 @@ impl Baking {
                 normal: &UPRIGHT,
             };
             let surface = self.source.surface(&self.constants[..256], &point, &frame);
-            let tangent_space = into_frame(low, corners, drawn.b, surface.normal);
+            let tangent_space = Corners::of(low, t).in_frame(drawn.b, surface.normal);
             Some(Texel {
                 surface,
                 tangent_space,
@@ -142,8 +143,8 @@ impl Baking {
     /// A texel's centre and its neighbours' as barycentrics of triangle `t`.
     fn drawn(&self, low: &Mesh, lod: &Lod, tables: &Tables, t: usize, at: [u32; 2]) -> Drawn {
         let centre = at.map(|c| f64::from(c) + 0.5);
-        let corners = texel::corners(low, t, self.size);
-        let b = |dx: f64, dy: f64| texel::barycentric(&corners, [centre[0] + dx, centre[1] + dy]);
+        let flat = Flat::new(&texel::corners(low, t, self.size));
+        let b = |dx: f64, dy: f64| flat.barycentric([centre[0] + dx, centre[1] + dy]);
         Drawn {
             b: b(0.0, 0.0).unwrap_or([1.0, 0.0, 0.0]),
             bx: b(1.0, 0.0),

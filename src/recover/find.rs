@@ -37,8 +37,16 @@ pub(crate) struct Search<'a> {
     hint: u32,
     /// Where rays begin, for triangles asked about before; none inside: at the root. None at all: nobody asks for neighbours.
     bundles: Option<HashMap<usize, Option<Rc<Bundle>>>>,
-    /// That of the last triangle.
-    last: (usize, Option<Rc<Bundle>>),
+    last: Last,
+}
+
+/// The triangle that was asked about last: neighbours mostly lie in one.
+struct Last {
+    t: usize,
+    corners: [V3; 3],
+    /// Directions of normal rays at its corners.
+    outward: [V3; 3],
+    bundle: Option<Rc<Bundle>>,
 }
 
 /// What was found for a point.
@@ -75,7 +83,12 @@ impl<'a> Finder<'a> {
             asking: self.high.tree.asking(),
             hint: NO_HINT,
             bundles: None,
-            last: (usize::MAX, None),
+            last: Last {
+                t: usize::MAX,
+                corners: [[0.0; 3]; 3],
+                outward: [[0.0; 3]; 3],
+                bundle: None,
+            },
         }
     }
 
@@ -106,15 +119,6 @@ impl<'a> Finder<'a> {
         let most = |k: usize| all.iter().fold(f32::NEG_INFINITY, |m, p| m.max(p[k]));
         let [low, high] = [[0, 1, 2].map(least), [0, 1, 2].map(most)];
         Some(self.high.tree.bundle(low, high))
-    }
-
-    /// The unit normal of rays at a point; the triangle's own where normals cancel out.
-    fn outward(&self, t: usize, b: [f32; 3]) -> V3 {
-        let mean = self.low.weighted(&self.low.outward, t, b);
-        if dot3(mean, mean) > 1e-12 {
-            return unit3(mean, mean);
-        }
-        self.low.world.face_normal(t).map(|c| c as f32)
     }
 
     /// The mapping at a point.
@@ -152,14 +156,17 @@ impl Search<'_> {
     /// What the point at barycentrics `b` of triangle `t` of the simple surface stands for.
     pub(crate) fn at(&mut self, t: usize, b: [f32; 3]) -> Answer {
         let finder = self.finder;
-        let p = finder.low.point(t, b);
-        let outward = finder.outward(t, b);
+        if self.last.t != t {
+            self.turn_to(t);
+        }
+        let p = weighted(&self.last.corners, b);
+        let outward = self.outward(b);
         let mapping = finder.mapping(t, b);
         let facing = finder.facing.then_some(outward);
         let mut found = match mapping {
             Mapping::Proximity => self.closest(p, facing),
             Mapping::Cage => self.inwards(t, b, p, outward),
-            _ => self.both_ways(t, p, finder.direction(mapping, t, b, outward)),
+            _ => self.both_ways(p, finder.direction(mapping, t, b, outward)),
         };
         if found.is_none() && finder.mapping == Mapping::Auto {
             // What was best at the middle of a texel may miss beside it.
@@ -202,32 +209,39 @@ impl Search<'_> {
     }
 
     /// Outwards first: what lies over the surface hides what lies under it.
-    fn both_ways(&mut self, t: usize, p: V3, way: V3) -> Option<Found> {
-        let reach = self.finder.reach;
-        let outwards = self.counted(p, way, reach, Sides::Back);
-        let inwards = self.counted(p, scale3(way, -1.0), reach, Sides::Front);
-        self.keep_bundle(t);
-        match &self.last.1 {
-            Some(bundle) => {
-                let out = self.asking.first_in(outwards, bundle);
-                out.or_else(|| self.asking.first_in(inwards, bundle))
-            }
-            None => {
-                let out = self.asking.first(outwards);
-                out.or_else(|| self.asking.first(inwards))
-            }
-        }
+    fn both_ways(&mut self, p: V3, way: V3) -> Option<Found> {
+        let outwards = self.counted(p, way, self.finder.reach, Sides::Back);
+        self.asking
+            .first_of_both(outwards, self.last.bundle.as_deref())
     }
 
-    /// Makes the last bundle that of triangle `t`.
-    fn keep_bundle(&mut self, t: usize) {
-        let Some(bundles) = self.bundles.as_mut().filter(|_| self.last.0 != t) else {
-            return;
+    /// Makes `t` the last triangle.
+    fn turn_to(&mut self, t: usize) {
+        let (finder, low) = (self.finder, self.finder.low);
+        let corners = low.world.triangles[t].map(|v| v as usize);
+        let bundle = self.bundles.as_mut().and_then(|bundles| {
+            let made = || finder.bundle(t).map(Rc::new);
+            bundles.entry(t).or_insert_with(made).clone()
+        });
+        self.last = Last {
+            t,
+            corners: corners.map(|v| low.world.positions[v]),
+            outward: corners.map(|v| low.outward[v]),
+            bundle,
         };
-        let made = bundles
-            .entry(t)
-            .or_insert_with(|| self.finder.bundle(t).map(Rc::new));
-        self.last = (t, made.clone());
+    }
+
+    /// The unit normal of rays at a point of the last triangle; the triangle's own where normals cancel out.
+    fn outward(&self, b: [f32; 3]) -> V3 {
+        let mean = weighted(&self.last.outward, b);
+        if dot3(mean, mean) > 1e-12 {
+            return unit3(mean, mean);
+        }
+        self.finder
+            .low
+            .world
+            .face_normal(self.last.t)
+            .map(|c| c as f32)
     }
 
     /// From the cage to the point and on, as far as rays reach; without a cage from as far outside.

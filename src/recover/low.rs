@@ -52,26 +52,43 @@ pub(super) fn unwrapped(reference: &Mesh, lod: &Lod, atlas: &Atlas) -> Mesh {
     out
 }
 
-/// `normal` (object space) as a tangent-space normal at barycentrics `b` of a triangle of `low`: what undoes the shading.
-pub(super) fn into_frame(low: &Mesh, corners: [u32; 3], b: [f32; 3], normal: V3) -> V3 {
-    let [i, j, k] = corners.map(|v| v as usize);
-    let n = weighted(&[low.normals[i], low.normals[j], low.normals[k]], b);
-    let n = unit3(n, normal);
-    let along = |v: usize| {
-        let [x, y, z, _] = low.tangents[v];
-        [x, y, z]
-    };
-    let t = weighted(&[along(i), along(j), along(k)], b);
-    let t = unit3(t, cross3(n, [0.0, 1.0, 0.0]));
-    let side = low.tangents[i][3];
-    let bitangent = cross3(n, t).map(|c| c * side);
-    // The shading does not make tangent and normal perpendicular, so what undoes it solves for both at once.
-    let (leaning, along_t, along_n) = (dot3(t, n), dot3(normal, t), dot3(normal, n));
-    let left = (1.0 - leaning * leaning).max(1e-6);
-    let tilted = [
-        (along_t - leaning * along_n) / left,
-        dot3(normal, bitangent) / dot3(bitangent, bitangent).max(1e-6),
-        (along_n - leaning * along_t) / left,
-    ];
-    unit3(tilted, [0.0, 0.0, 1.0])
+/// What a triangle of that surface has at its corners.
+#[derive(Default)]
+pub(super) struct Corners {
+    pub(super) positions: [V3; 3],
+    pub(super) normals: [V3; 3],
+    tangents: [V3; 3],
+    /// On which side of normal and tangent the bitangent lies: 1 or -1.
+    side: f32,
+}
+
+impl Corners {
+    pub(super) fn of(low: &Mesh, t: usize) -> Corners {
+        let corners = low.triangles[t].map(|v| v as usize);
+        Corners {
+            positions: corners.map(|v| low.positions[v]),
+            normals: corners.map(|v| low.normals[v]),
+            tangents: corners.map(|v| {
+                let [x, y, z, _] = low.tangents[v];
+                [x, y, z]
+            }),
+            side: low.tangents[corners[0]][3],
+        }
+    }
+
+    /// `normal` (object space) as a tangent-space normal at barycentrics `b`: what undoes the shading.
+    pub(super) fn in_frame(&self, b: [f32; 3], normal: V3) -> V3 {
+        let n = unit3(weighted(&self.normals, b), normal);
+        let t = unit3(weighted(&self.tangents, b), cross3(n, [0.0, 1.0, 0.0]));
+        let bitangent = cross3(n, t).map(|c| c * self.side);
+        // The shading does not make tangent and normal perpendicular, so what undoes it solves for both at once.
+        let (leaning, along_t, along_n) = (dot3(t, n), dot3(normal, t), dot3(normal, n));
+        let left = (1.0 - leaning * leaning).max(1e-6);
+        let tilted = [
+            (along_t - leaning * along_n) / left,
+            dot3(normal, bitangent) / dot3(bitangent, bitangent).max(1e-6),
+            (along_n - leaning * along_t) / left,
+        ];
+        unit3(tilted, [0.0, 0.0, 1.0])
+    }
 }

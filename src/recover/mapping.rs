@@ -61,6 +61,11 @@ impl Mapping {
         Mapping::Auto,
     ];
 
+    /// Whether a cage says where some of its rays begin.
+    pub fn looks_from_cage(self) -> bool {
+        matches!(self, Mapping::Cage | Mapping::Auto)
+    }
+
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         NAMES

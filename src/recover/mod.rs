@@ -13,12 +13,13 @@
 //!
 //! The mappings of a pair are those of Tarini, Cignoni and Scopigno, *Visibility Based Methods and Assessment for
 //! Detail-Recovery* (IEEE Visualization 2003); `find.rs` has the rays, `visible.rs` the directions, `continuity.rs` the
-//! neighbours of texels across seams that the paper leaves open.
+//! neighbours of texels across seams that the paper leaves open, `beyond.rs` those across the borders of tiles.
 
 mod address;
 mod around;
 mod atlas;
 mod bake;
+mod beyond;
 mod cage;
 mod choose;
 mod coding;

@@ -1,10 +1,11 @@
 //! A surface whose texels are looked for in another: what each sample of a texel stands for.
 
 use super::find::{Finder, Search};
+use super::low::Corners;
 use super::resample::{Band, Sample, Surface};
 use super::source::Low;
 use super::surface::{Owners, Tiles};
-use super::texel;
+use super::texel::{self, Flat};
 use crate::attribute::arithmetic::{V3, dot3, sub3};
 use crate::attribute::surface::SurfacePoint;
 use crate::{Error, Result};
@@ -30,7 +31,7 @@ impl Surface for OverLow<'_> {
             of: self,
             owners: self.tiles.owners(&self.finder.low.world, &rows),
             search: self.finder.search_neighbours(),
-            last: (usize::MAX, [[0.0; 2]; 3]),
+            last: None,
         })
     }
 
@@ -57,31 +58,37 @@ struct LowBand<'a> {
     of: &'a OverLow<'a>,
     owners: Owners,
     search: Search<'a>,
-    /// The triangle of the last sample and its corners in texels: neighbours mostly lie in one.
-    last: (usize, [[f64; 2]; 3]),
+    /// The triangle of the last sample: neighbours mostly lie in one.
+    last: Option<Last>,
 }
 
-impl LowBand<'_> {
-    fn corners(&mut self, t: usize) -> [[f64; 2]; 3] {
-        if self.last.0 != t {
-            let low = &self.of.finder.low.world;
-            self.last = (t, texel::corners(low, t, self.owners.size));
-        }
-        self.last.1
-    }
+struct Last {
+    t: usize,
+    /// In texels.
+    flat: Flat,
+    corners: Corners,
 }
 
 impl Band for LowBand<'_> {
     fn sample(&mut self, fine: [u32; 2]) -> Option<Sample<'_>> {
         let t = self.owners.of(fine)?;
         let low = self.of.finder.low;
-        let corners = self.corners(t);
+        let size = self.owners.size;
+        let here = match self.last.take() {
+            Some(last) if last.t == t => last,
+            _ => Last {
+                t,
+                flat: Flat::new(&texel::corners(&low.world, t, size)),
+                corners: Corners::of(&low.world, t),
+            },
+        };
+        let Last { flat, corners, .. } = self.last.insert(here);
         let centre = fine.map(|c| f64::from(c) + 0.5);
-        let b = texel::barycentric(&corners, centre)?;
+        let b = flat.barycentric(centre)?;
         let answer = self.search.at(t, b);
         let point = answer.found.map(|(triangle, at)| {
             let step = |dx: f64, dy: f64| {
-                let next = texel::barycentric(&corners, [centre[0] + dx, centre[1] + dy])?;
+                let next = flat.barycentric([centre[0] + dx, centre[1] + dy])?;
                 let way = sub3(low.point(t, next), low.point(t, b));
                 along(&self.of.corners(triangle), way)
             };
@@ -100,11 +107,7 @@ impl Band for LowBand<'_> {
         Some(Sample {
             point,
             missed: answer.missed,
-            low: Some(Low {
-                mesh: &low.world,
-                corners: low.world.triangles[t],
-                b,
-            }),
+            low: Some(Low { corners, b }),
         })
     }
 }

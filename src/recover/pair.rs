@@ -149,12 +149,8 @@ impl<'a> Pair<'a> {
         progress: &dyn Progress,
     ) -> Result<Pair<'a>> {
         fineness(settings).check()?;
-        if cage.is_some() && !matches!(settings.mapping, Mapping::Cage | Mapping::Auto) {
-            let reason = format!("says nothing about the mapping {}", settings.mapping);
-            return Err(Error::Option {
-                option: "--cage",
-                reason,
-            });
+        if cage.is_some() {
+            cage_is_asked_for(&[settings.mapping])?;
         }
         settings.recovery.check()?;
         numbers_are_whole(&settings.attributes, settings.samples)?;
@@ -296,6 +292,19 @@ impl<'a> Pair<'a> {
             ..baked
         })
     }
+}
+
+/// Refuses a cage that none of `mappings` looks from.
+pub(crate) fn cage_is_asked_for(mappings: &[Mapping]) -> Result<()> {
+    if mappings.iter().any(|m| m.looks_from_cage()) {
+        return Ok(());
+    }
+    let names: Vec<&str> = mappings.iter().map(|m| m.name()).collect();
+    let reason = format!("says nothing about the mapping {}", names.join(", "));
+    Err(Error::Option {
+        option: "--cage",
+        reason,
+    })
 }
 
 fn fineness(settings: &PairSettings) -> Fineness {

@@ -4,7 +4,7 @@
 
 use super::around::{Around, AroundOptions, Looking};
 use super::coding::{Coding, numbered};
-use super::low::{ROWS, UPRIGHT, into_frame};
+use super::low::{Corners, ROWS, UPRIGHT};
 use super::standing::Standing;
 use super::wanted::BakeAttribute;
 use crate::asset::Progress;
@@ -32,17 +32,19 @@ pub(super) struct Source {
 
 /// Where a sample lies on the surface that is baked for.
 pub(super) struct Low<'a> {
-    pub(super) mesh: &'a Mesh,
-    pub(super) corners: [u32; 3],
+    pub(super) corners: &'a Corners,
     pub(super) b: V3,
 }
 
 impl Low<'_> {
     /// How far `there` lies over the surface, along its normal.
     fn height(&self, there: V3) -> f32 {
-        let at = |of: &[V3]| weighted(&self.corners.map(|v| of[v as usize]), self.b);
-        let normal = unit3(at(&self.mesh.normals), [0.0, 0.0, 1.0]);
-        dot3(sub3(there, at(&self.mesh.positions)), normal)
+        let normal = weighted(&self.corners.normals, self.b);
+        let normal = unit3(normal, [0.0, 0.0, 1.0]);
+        dot3(
+            sub3(there, weighted(&self.corners.positions, self.b)),
+            normal,
+        )
     }
 }
 
@@ -210,7 +212,7 @@ impl Source {
     /// A direction in the frame that the attribute is told in.
     fn framed(&self, direction: V3, low: Option<&Low>) -> V3 {
         match low.filter(|_| self.attribute.is_tangent()) {
-            Some(low) => into_frame(low.mesh, low.corners, low.b, direction),
+            Some(low) => low.corners.in_frame(low.b, direction),
             None => direction,
         }
     }

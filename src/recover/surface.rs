@@ -3,10 +3,11 @@
 //! In: a built mesh, what textures are laid out over. Out: for a sample of a texel its point of the reference, which has no
 //! triangle where the tables know none.
 
-use super::low::unwrapped;
+use super::low::{Corners, unwrapped};
 use super::resample::{BAND, Band, Fineness, Sample, Surface};
 use super::source::Low;
-use super::{address, atlas, texel};
+use super::texel::{self, Flat};
+use super::{address, atlas};
 use crate::Result;
 use crate::asset::BuiltMesh;
 use crate::attribute::surface::SurfacePoint;
@@ -90,11 +91,11 @@ impl<'a> OverLod<'a> {
         })
     }
 
-    /// The point of a sample on triangle `t` of the LoD.
-    fn at(&self, t: usize, at: [u32; 2], size: u32) -> Sample<'_> {
-        let corners = texel::corners(&self.low, t, size);
+    /// The point of a sample on triangle `t` of the LoD, and where in that triangle it lies.
+    fn at(&self, t: usize, at: [u32; 2], size: u32) -> (Option<SurfacePoint>, [f32; 3]) {
+        let flat = Flat::new(&texel::corners(&self.low, t, size));
         let centre = at.map(|c| f64::from(c) + 0.5);
-        let b = |dx: f64, dy: f64| texel::barycentric(&corners, [centre[0] + dx, centre[1] + dy]);
+        let b = |dx: f64, dy: f64| flat.barycentric([centre[0] + dx, centre[1] + dy]);
         let t3 = self.lod.triangles[t].map(|v| self.lod.t3[v as usize]);
         let line = self.built.tables.primary.line();
         let here = b(0.0, 0.0).unwrap_or([1.0, 0.0, 0.0]);
@@ -107,15 +108,7 @@ impl<'a> OverLod<'a> {
             asker: Asker::of_lod(line, &self.lod, t).word(),
         };
         let point = inverse_at(&self.built.tables, 0, &t3.map(four), &drawn).point;
-        Sample {
-            missed: point.is_none(),
-            point,
-            low: Some(Low {
-                mesh: &self.low,
-                corners: self.low.triangles[t],
-                b: here,
-            }),
-        }
+        (point, here)
     }
 }
 
@@ -126,7 +119,11 @@ impl Surface for OverLod<'_> {
 
     fn band(&self, rows: Range<u32>) -> Box<dyn Band + '_> {
         let owners = self.tiles.owners(&self.low, &rows);
-        Box::new(LodBand { of: self, owners })
+        Box::new(LodBand {
+            of: self,
+            owners,
+            corners: Corners::default(),
+        })
     }
 
     fn corners(&self, triangle: u32) -> [[f32; 3]; 3] {
@@ -137,12 +134,23 @@ impl Surface for OverLod<'_> {
 struct LodBand<'a> {
     of: &'a OverLod<'a>,
     owners: Owners,
+    /// Those of the triangle at hand.
+    corners: Corners,
 }
 
 impl Band for LodBand<'_> {
     fn sample(&mut self, fine: [u32; 2]) -> Option<Sample<'_>> {
         let t = self.owners.of(fine)?;
-        Some(self.of.at(t, fine, self.owners.size))
+        let (point, b) = self.of.at(t, fine, self.owners.size);
+        self.corners = Corners::of(&self.of.low, t);
+        Some(Sample {
+            missed: point.is_none(),
+            point,
+            low: Some(Low {
+                corners: &self.corners,
+                b,
+            }),
+        })
     }
 }
 

@@ -11,16 +11,38 @@ pub(super) fn corners(low: &Mesh, t: usize, size: u32) -> [[f64; 2]; 3] {
     low.triangles[t].map(|v| uv[v as usize].map(|c| f64::from(c) * f64::from(size)))
 }
 
-/// Barycentrics of `at`; none in a triangle without area.
-pub(super) fn barycentric(corners: &[[f64; 2]; 3], at: [f64; 2]) -> Option<[f32; 3]> {
-    let [a, b, c] = *corners;
-    let area = cross(less(b, a), less(c, a));
-    if area == 0.0 {
-        return None;
+/// A triangle of a texture, with what is the same for all its texels.
+pub(super) struct Flat {
+    corner: [f64; 2],
+    /// Its other corners seen from there.
+    first: [f64; 2],
+    second: [f64; 2],
+    /// Twice its area, negative where corners run clockwise.
+    area: f64,
+}
+
+impl Flat {
+    pub(super) fn new([a, b, c]: &[[f64; 2]; 3]) -> Flat {
+        let (first, second) = (less(*b, *a), less(*c, *a));
+        Flat {
+            corner: *a,
+            first,
+            second,
+            area: cross(first, second),
+        }
     }
-    let b1 = cross(less(at, a), less(c, a)) / area;
-    let b2 = cross(less(b, a), less(at, a)) / area;
-    Some([1.0 - b1 - b2, b1, b2].map(|x| x as f32))
+
+    /// Barycentrics of `at`; none in a triangle without area.
+    #[inline]
+    pub(super) fn barycentric(&self, at: [f64; 2]) -> Option<[f32; 3]> {
+        if self.area == 0.0 {
+            return None;
+        }
+        let at = less(at, self.corner);
+        let b1 = cross(at, self.second) / self.area;
+        let b2 = cross(self.first, at) / self.area;
+        Some([1.0 - b1 - b2, b1, b2].map(|x| x as f32))
+    }
 }
 
 /// `p - q`.
@@ -69,36 +91,30 @@ pub(super) fn owners(
 }
 
 /// The inside of a triangle of a texture, its rim included.
-struct Inside {
-    corner: [f64; 2],
-    /// Its other corners seen from there, one way round.
-    first: [f64; 2],
-    second: [f64; 2],
-    area: f64,
-}
+struct Inside(Flat);
 
 impl Inside {
     /// None for a triangle without area.
     fn new([a, b, c]: &[[f64; 2]; 3]) -> Option<Inside> {
-        let (first, second) = (less(*b, *a), less(*c, *a));
-        let area = cross(first, second);
-        let inside = |first, second| Inside {
-            corner: *a,
-            first,
-            second,
-            area: area.abs(),
-        };
-        match area {
-            area if area > 0.0 => Some(inside(first, second)),
-            area if area < 0.0 => Some(inside(second, first)),
+        let flat = Flat::new(&[*a, *b, *c]);
+        match flat.area {
+            area if area > 0.0 => Some(Inside(flat)),
+            // The other way round.
+            area if area < 0.0 => Some(Inside(Flat::new(&[*a, *c, *b]))),
             _ => None,
         }
     }
 
     fn holds(&self, at: [f64; 2]) -> bool {
-        let at = less(at, self.corner);
-        let (along, across) = (cross(at, self.second), cross(self.first, at));
-        along >= 0.0 && across >= 0.0 && along + across <= self.area
+        let Flat {
+            corner,
+            first,
+            second,
+            area,
+        } = self.0;
+        let at = less(at, corner);
+        let (along, across) = (cross(at, second), cross(first, at));
+        along >= 0.0 && across >= 0.0 && along + across <= area
     }
 }
 

@@ -3,6 +3,7 @@
 //! In: surfaces, what is asked for. Out: [`Field`]: at each point of a surface the mean of the directions that see it, no
 //! longer than 1; the shorter, the more they vary.
 
+use super::beyond::{Beyond, There, beyond};
 use super::choose::{CHOICES, choose};
 use super::continuity::Links;
 use super::high::High;
@@ -304,9 +305,11 @@ fn texels(lows: &[&Laid], probes: &Probes, size: u32, draw: Draw) -> Result<Vec<
             }
         },
     )?;
+    let beyond = beyond(lows, &links, size);
+    let sums = smooth(&links, &beyond, sums);
     let field = |(links, sums): (&Links, Vec<Sum>)| {
         let mut mean = vec![[0.0; 3]; size as usize * size as usize];
-        for (texel, sum) in links.texels.iter().zip(smooth(links, sums)) {
+        for (texel, sum) in links.texels.iter().zip(sums) {
             mean[*texel as usize] = sum.mean().unwrap_or([0.0; 3]);
         }
         Field::Texels { size, mean }
@@ -314,21 +317,31 @@ fn texels(lows: &[&Laid], probes: &Probes, size: u32, draw: Draw) -> Result<Vec<
     Ok(links.iter().zip(sums).map(field).collect())
 }
 
-/// Each texel's sum becomes the sum of its own and its neighbours', round after round.
-fn smooth(links: &Links, mut sums: Vec<Sum>) -> Vec<Sum> {
+/// Each texel's sum becomes the sum of its own and its neighbours', in other tiles too, round after round.
+fn smooth(links: &[Links], beyond: &[Beyond], mut sums: Vec<Vec<Sum>>) -> Vec<Vec<Sum>> {
     for _ in 0..ROUNDS {
-        let joined = links.next.par_iter().zip(&sums).map(|(next, own)| {
-            let mut sum = *own;
-            for &n in next.iter().filter(|&&n| n != NONE) {
-                sum.join(&sums[n as usize]);
-            }
-            // Kept small: 5^8 would still be exact, more rounds would not.
-            Sum {
-                v: scale3(sum.v, 0.25),
-                k: sum.k * 0.25,
-            }
-        });
-        sums = joined.collect();
+        let surface = |low: usize| -> Vec<Sum> {
+            let own = sums[low].par_iter().zip(&links[low].next).enumerate();
+            let joined = own.map(|(k, (own, next))| {
+                let mut sum = *own;
+                for (way, &n) in next.iter().enumerate() {
+                    let there = match n {
+                        NONE => beyond[low].get(&(k as u32, way)).copied(),
+                        texel => Some(There { low, texel }),
+                    };
+                    if let Some(There { low, texel }) = there {
+                        sum.join(&sums[low][texel as usize]);
+                    }
+                }
+                // Kept small: 5^8 would still be exact, more rounds would not.
+                Sum {
+                    v: scale3(sum.v, 0.25),
+                    k: sum.k * 0.25,
+                }
+            });
+            joined.collect()
+        };
+        sums = (0..links.len()).map(surface).collect();
     }
     sums
 }

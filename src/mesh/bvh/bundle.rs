@@ -107,13 +107,13 @@ mod tests {
                     [0, 1, 2].map(|i| middle[i] + 0.06 * n[i])
                 });
                 let ray = Ray {
-                    begin: a,
-                    way: [0, 1, 2].map(|i| b[i] - a[i]),
+                    begin: [0, 1, 2].map(|i| (a[i] + b[i]) * 0.5),
+                    way: [0, 1, 2].map(|i| (b[i] - a[i]) * 0.5),
                     reach: 1.0,
                     sides: [Sides::Both, Sides::Front, Sides::Back][r as usize % 3],
                 };
-                let found = asking.first(ray);
-                assert_eq!(asking.first_in(ray, &bundle), found);
+                let found = asking.first_of_both(ray, None);
+                assert_eq!(asking.first_of_both(ray, Some(&bundle)), found);
                 met += usize::from(found.is_some());
             }
         }
@@ -134,9 +134,10 @@ mod tests {
         };
         let elsewhere = tree.bundle([0.8, -0.1, -0.1], [1.1, 0.1, 0.1]);
         assert!(tree.asking().first(ray).is_some());
-        assert!(tree.asking().first_in(ray, &elsewhere).is_none());
+        let met = |bundle: &Bundle| tree.asking().first_of_both(ray, Some(bundle)).is_some();
+        assert!(!met(&elsewhere));
         let far = tree.bundle([9.0; 3], [10.0; 3]);
-        assert!(far.nodes.is_empty() && tree.asking().first_in(ray, &far).is_none());
+        assert!(far.nodes.is_empty() && !met(&far));
         assert!(Bvh::new(&[]).bundle([0.0; 3], [1.0; 3]).nodes.is_empty());
     }
 }

@@ -1,11 +1,12 @@
 //! The closest point of all triangles.
 //!
 //! Regions of a triangle after Ericson, *Real-Time Collision Detection* (2005), 5.1.5, without branches, four triangles
-//! at once.
+//! at once; compiled for the processor at hand, as [`super::walk`] is.
 
 use super::wide::{IS_LEAF, Node, Pack};
-use super::{Asking, Found, NO_HINT, V3, push_nearest_last};
+use super::{Asking, Found, NO_HINT, V3, lanes, push_nearest_last};
 use glam::{BVec4A, Vec4};
+use pulp::{Simd, WithSimd};
 
 /// Divisors are no smaller: a triangle without length gives a point of it all the same.
 const LEAST: f32 = 1e-37;
@@ -21,7 +22,18 @@ impl Asking<'_> {
         facing: Option<V3>,
         hint: u32,
     ) -> Option<Found> {
-        let mut best = Best::new(within, facing);
+        let arch = self.arch;
+        let best = Best::new(within, facing);
+        arch.dispatch(AskClosest {
+            asking: self,
+            p,
+            hint,
+            best,
+        })
+    }
+
+    #[inline(always)]
+    fn walk_closest(&mut self, p: V3, hint: u32, best: &mut Best) {
         let splat = p.map(Vec4::splat);
         if let Some(pack) = self.tree.packs.get(hint as usize) {
             best.take(pack, hint, &splat);
@@ -42,17 +54,16 @@ impl Asking<'_> {
                 continue;
             }
             let node = &self.tree.nodes[at as usize];
-            let distances = distances(node, &splat).to_array();
-            let first = self.stack.len();
-            for (lane, &distance) in distances.iter().enumerate() {
+            let distances = distances(node, &splat);
+            let near = distances.cmple(Vec4::splat(best.found.distance))
                 // A place without a box is infinitely far.
-                if distance <= best.found.distance && distance < f32::INFINITY {
-                    let child = node.child[lane];
-                    push_nearest_last(&mut self.stack, first, (distance, child));
-                }
+                & distances.cmplt(Vec4::INFINITY);
+            let (distances, first) = (distances.to_array(), self.stack.len());
+            for lane in lanes(near.bitmask()) {
+                let entry = (distances[lane], node.child[lane]);
+                push_nearest_last(&mut self.stack, first, entry);
             }
         }
-        best.any()
     }
 
     /// The same by asking every triangle: what the walk is held against.
@@ -66,7 +77,26 @@ impl Asking<'_> {
     }
 }
 
+/// [`Asking::closest`].
+struct AskClosest<'q, 'a> {
+    asking: &'q mut Asking<'a>,
+    p: V3,
+    hint: u32,
+    best: Best,
+}
+
+impl WithSimd for AskClosest<'_, '_> {
+    type Output = Option<Found>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, _: S) -> Option<Found> {
+        self.asking.walk_closest(self.p, self.hint, &mut self.best);
+        self.best.any()
+    }
+}
+
 /// Squares of the distances to four boxes; infinite for a place without a box.
+#[inline(always)]
 fn distances(node: &Node, p: &[Vec4; 3]) -> Vec4 {
     let [x, y, z] = [0, 1, 2].map(|k| {
         let outside = (node.low[k] - p[k])
@@ -83,6 +113,7 @@ struct Best {
 }
 
 impl Best {
+    #[inline(always)]
     fn new(within: f32, facing: Option<V3>) -> Best {
         Best {
             facing,
@@ -95,11 +126,13 @@ impl Best {
         }
     }
 
+    #[inline(always)]
     fn any(self) -> Option<Found> {
         (self.found.triangle != u32::MAX).then_some(self.found)
     }
 
     /// Takes from a leaf what is closer, or as close with a lower number.
+    #[inline(always)]
     fn take(&mut self, pack: &Pack, hint: u32, p: &[Vec4; 3]) {
         let (v, w, distance) = four(pack, p);
         let mut near = distance.cmple(Vec4::splat(self.found.distance));
@@ -109,7 +142,7 @@ impl Best {
         if !near.any() {
             return;
         }
-        for lane in (0..4).filter(|&lane| near.test(lane)) {
+        for lane in lanes(near.bitmask()) {
             let (distance, id) = (distance[lane], pack.id[lane]);
             if (distance, id) < (self.found.distance, self.found.triangle) {
                 self.found = Found {
@@ -124,6 +157,7 @@ impl Best {
 }
 
 /// The triangles whose normal does not point away from `facing`.
+#[inline(always)]
 fn along(pack: &Pack, facing: V3) -> BVec4A {
     let [a, b, c] = &pack.corner;
     let (e, f) = (
@@ -137,11 +171,13 @@ fn along(pack: &Pack, facing: V3) -> BVec4A {
     dot.cmpge(Vec4::ZERO)
 }
 
+#[inline(always)]
 fn dot(a: &[Vec4; 3], b: &[Vec4; 3]) -> Vec4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Barycentrics of corners 1 and 2 of the closest points of four triangles, and the squares of their distances.
+#[inline(always)]
 fn four(pack: &Pack, p: &[Vec4; 3]) -> (Vec4, Vec4, Vec4) {
     let [a, b, c] = &pack.corner;
     let less = |x: &[Vec4; 3], y: &[Vec4; 3]| [x[0] - y[0], x[1] - y[1], x[2] - y[2]];

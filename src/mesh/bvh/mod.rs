@@ -11,7 +11,8 @@
 //! ```text
 //! split.rs  binned surface area heuristic, on all cores -> wide.rs  four boxes a node, four triangles a leaf
 //! bundle.rs where rays of one bundle begin
-//! ray.rs    first hit (watertight, Woop et al. 2013)       closest.rs  closest point (Ericson 2005, 5.1.5)
+//! walk.rs   first hit, both halves of a line -> ray.rs     watertight (Woop et al. 2013)
+//! closest.rs  closest point (Ericson 2005, 5.1.5)
 //! ```
 
 mod bundle;
@@ -20,6 +21,7 @@ mod ray;
 mod split;
 #[cfg(test)]
 mod tests;
+mod walk;
 mod wide;
 
 pub(crate) use bundle::Bundle;
@@ -59,10 +61,25 @@ pub(crate) const NO_HINT: u32 = u32::MAX;
 /// Asks a tree, question after question.
 pub(crate) struct Asking<'a> {
     tree: &'a Bvh,
+    /// What the processor at hand can do.
+    arch: pulp::Arch,
     stack: Vec<(f32, u32)>,
+    /// Of a line: what lies behind its beginning.
+    behind: Vec<(f32, u32)>,
+}
+
+/// The lanes of a mask, in growing order.
+#[inline(always)]
+fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (lane < 32).then_some(lane)
+    })
 }
 
 /// Pushes a box onto a stack whose entries from `first` on are in order, the nearest last: it is the next to be looked into.
+#[inline(always)]
 fn push_nearest_last(stack: &mut Vec<(f32, u32)>, first: usize, entry: (f32, u32)) {
     let mut at = stack.len();
     stack.push(entry);
@@ -106,7 +123,9 @@ impl Bvh {
     pub(crate) fn asking(&self) -> Asking<'_> {
         Asking {
             tree: self,
+            arch: pulp::Arch::new(),
             stack: Vec::with_capacity(64),
+            behind: Vec::with_capacity(64),
         }
     }
 

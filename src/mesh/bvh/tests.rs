@@ -105,6 +105,44 @@ fn first_hits_are_those_of_asking_every_triangle() {
     assert!(hits.iter().all(|&h| h > 50), "{hits:?}");
 }
 
+/// From the same place the other way; the same triangles count.
+fn reversed(ray: Ray) -> Ray {
+    Ray {
+        way: ray.way.map(|c| -c),
+        sides: match ray.sides {
+            Sides::Both => Sides::Both,
+            Sides::Front => Sides::Back,
+            Sides::Back => Sides::Front,
+        },
+        ..ray
+    }
+}
+
+/// A line asked in one walk: what the ray and then its reverse find, to the bit but for the signs of zeros.
+#[test]
+fn both_halves_of_a_line_are_its_two_rays() {
+    let tree = Bvh::new(&triangles());
+    let mut asking = tree.asking();
+    let (mut ahead, mut behind) = ([0; 3], [0; 3]);
+    for (k, (begin, way)) in questions().enumerate() {
+        let ray = Ray {
+            begin,
+            way,
+            reach: if k % 4 == 0 { f32::INFINITY } else { 0.4 },
+            sides: [Sides::Both, Sides::Front, Sides::Back][k % 3],
+        };
+        let first = asking.first(ray);
+        let apart = first.or_else(|| asking.first(reversed(ray)));
+        assert_eq!(asking.first_of_both(ray, None), apart, "{ray:?}");
+        ahead[k % 3] += u32::from(first.is_some());
+        behind[k % 3] += u32::from(first.is_none() && apart.is_some());
+    }
+    assert!(
+        ahead.iter().chain(&behind).all(|&n| n > 10),
+        "{ahead:?} {behind:?}"
+    );
+}
+
 /// The closest point by bisection of nothing: the nearest of many points of the triangle is never nearer.
 #[test]
 fn no_point_of_a_triangle_is_nearer_than_its_closest_one() {
