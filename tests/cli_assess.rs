@@ -31,7 +31,13 @@ fn assess(high: &str, low: &str, more: &[&str]) -> Run {
         "assess", high, low, "--json", "--device", "cpu", "--views", "12", "--rays", "32",
         "--size", "64",
     ];
-    invertex(&[&arguments, more].concat())
+    // Pictures take the longest: where they are not asked for there are none.
+    let dark: &[&str] = if more.contains(&"--lights") {
+        &[]
+    } else {
+        &["--lights", "0"]
+    };
+    invertex(&[&arguments, dark, more].concat())
 }
 
 #[test]
@@ -189,8 +195,68 @@ fn measures_come_for_every_mapping_and_repeat() {
         "16",
         "--size",
         "32",
+        "--lights",
+        "1",
     ]);
-    assert!(text.ok().stdout.contains("uniformity %"));
+    let text = text.ok().stdout;
+    assert!(text.contains("uniformity %") && text.contains("(LOW as it is)"));
+}
+
+/// Normals that were baked are nearer to the detailed model than none, whichever way the light comes from.
+#[test]
+fn pictures_are_compared_under_a_light_that_moves() {
+    let folder = Folder::new();
+    let (high, low) = pair(&folder);
+    let lit = [
+        "--maps",
+        "proximity,normal",
+        "--lights",
+        "3",
+        "--light-views",
+        "2",
+    ];
+    let json = assess(&high, &low, &lit).ok().json();
+    let light = &json["light"];
+    assert_eq!(
+        light["turn_degrees"],
+        serde_json::json!([0.0, 120.0, 240.0])
+    );
+    let lights = |flips: &serde_json::Value| -> Vec<f64> {
+        let all = flips["lights"].as_array().unwrap().iter();
+        all.map(|flip| flip.as_f64().unwrap()).collect()
+    };
+    for m in json["mappings"].as_array().unwrap() {
+        let (baked, plain) = (lights(&m["light_flip"]), lights(&light["low"]));
+        assert_eq!((baked.len(), plain.len()), (3, 3));
+        assert!(baked.iter().zip(&plain).all(|(b, p)| b < p), "{m} {light}");
+        let mean = m["light_flip"]["mean"].as_f64().unwrap();
+        assert!((mean - baked.iter().sum::<f64>() / 3.0).abs() < 1e-9);
+    }
+}
+
+/// Rays from a cage that is the surface itself find nothing above it.
+#[test]
+fn a_cage_says_where_rays_begin() {
+    let folder = Folder::new();
+    let (high, low) = pair(&folder);
+    let rated = |more: &[&str]| {
+        let fixed = ["--maps", "cage", "--lights", "0"];
+        let json = assess(&high, &low, &[&fixed[..], more].concat())
+            .ok()
+            .json();
+        assert!(json.get("light").is_none());
+        json["mappings"][0].clone()
+    };
+    let (free, tight) = (rated(&[]), rated(&["--cage", &low]));
+    let missed = |m: &serde_json::Value| m["missed_fraction"].as_f64().unwrap();
+    assert!(missed(&tight) > missed(&free) + 0.2, "{tight} {free}");
+    let lit = ["--maps", "normal,cage", "--cage", &low, "--lights", "1"];
+    let json = assess(&high, &low, &lit).ok().json();
+    let flip = |k: usize| json["mappings"][k]["light_flip"]["mean"].as_f64().unwrap();
+    assert!(flip(0) > 0.0 && flip(0) != flip(1));
+    assess(&high, &low, &["--maps", "normal", "--cage", &low]).fails(2, &["--cage", "normal"]);
+    assess(&high, &low, &["--maps", "cage", "--cage", &high]).fails(3, &["triangles"]);
+    assess(&high, &low, &["--lights", "361"]).fails(2, &["--lights", "0 to 360"]);
 }
 
 #[test]
@@ -292,7 +358,16 @@ fn the_bunny_ranks_mappings_as_the_paper_does() {
         let usual = [
             "assess", &high, &low, "--maps", maps, "--views", "64", "--rays", "32", "--json",
         ];
-        let small = ["--size", "256", "--probe-size", "256", "--device", "cpu"];
+        let small = [
+            "--size",
+            "256",
+            "--probe-size",
+            "256",
+            "--device",
+            "cpu",
+            "--lights",
+            "0",
+        ];
         let run = invertex(&[&usual, &small[..], more].concat());
         run.ok().json()
     };

@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use super::assess_light::{Flips, LightReport, Pictured};
 use super::device::Device;
 use super::print::{Table, percent};
 use super::progress::Bar;
 use super::recovery::{Recovering, renderer, scene};
 use super::view::Size;
 use super::{Common, bad_option, note, plain, print};
-use invertex::measure::{AssessSettings, Assessment, Heat, Rating, assess};
+use invertex::measure::{AssessSettings, Assessment, Heat, Rating, assess_in_cage};
 use invertex::output::{encode_png, heat_map, make_folder, write_bytes};
 use invertex::recover::{Mapping, Misses};
 use invertex::{Error, Result};
@@ -22,6 +23,9 @@ use serde::Serialize;
 /// the picture (image space; divided by how far it was fetched from: normalised), how unevenly the detail is sampled.
 /// Smaller is better in all of them. Rays are cast in full precision; views are none of the directions that visibility is
 /// gathered from.
+///
+/// Last, LOW is drawn with the normals that each mapping bakes, beside HIGH, under a light that turns round the eye, and the
+/// pictures are compared by FLIP: what is left of the errors where they are seen.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Mappings: proximity, normal, visibility-face, visibility-vertex, visibility-texel, hybrid-vertex, hybrid-texel, cage, auto;
@@ -30,8 +34,10 @@ a ray that met nothing, as a bake would, so that all mappings rate the same rays
 
 JSON: high, low, device, views, rays, size, diagonal (of HIGH's box), reach (of rays, in diagonals), mappings[]: mapping,
 object_space, object_space_rms, image_space (means over rays, in percent of the diagonal), image_space_normalized (0 to 1),
-sampling_uniformity (0.2: distances between neighbours change by 20 % in the mean), missed_fraction, rays; images[]; ms;
-warnings[].
+sampling_uniformity (0.2: distances between neighbours change by 20 % in the mean), missed_fraction, rays, light_flip: mean,
+lights[] (0 same, 1 worst); light: views, size (of pictures, drawn in one grey), off_eye_degrees (between light and eye),
+turn_degrees[] (of each light round the eye, 0 from the right, 90 from above), low: mean, lights[] (LOW without detail);
+images[]; ms; warnings[].
 
 Files with -o: N_MAPPING_image-space.png and N_MAPPING_object-space.png for LOW's N-th mesh, in its texture: means of rays in
 thousandths of a percent.
@@ -39,6 +45,7 @@ thousandths of a percent.
 Examples:
   invertex assess statue.glb statue_low.glb
   invertex assess scan.glb low.glb --maps proximity,normal,hybrid-vertex --views 64 --json
+  invertex assess car.glb car_low.glb --maps cage,auto --cage car_cage.glb --lights 12
   invertex assess scan.glb low.glb --maps all -o maps/ --size 2048")]
 pub(super) struct Assess {
     /// The detailed model.
@@ -53,13 +60,22 @@ pub(super) struct Assess {
         default_value = "all"
     )]
     maps: Vec<String>,
+    /// LOW with its vertices moved outwards, triangles in LOW's order, for cage and auto; see `invertex bake --help`.
+    #[arg(long, value_name = "FILE")]
+    cage: Option<PathBuf>,
     /// Directions of view, spread evenly.
     #[arg(long, value_name = "N", default_value_t = 512)]
     views: u32,
     /// Rays along each side of a view.
     #[arg(long, value_name = "N", default_value_t = 128)]
     rays: u32,
-    /// Texels along each side of LOW's texture, whose neighbours tell uniformity.
+    /// Directions of light that LOW with baked normals is compared with HIGH under, 60 degrees off the eye; 0: none.
+    #[arg(long, value_name = "N", default_value_t = 6)]
+    lights: u32,
+    /// Directions of view of these pictures.
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    light_views: u32,
+    /// Texels along each side of LOW's texture, whose neighbours tell uniformity, and of its normals under light.
     #[arg(long, value_name = "N", default_value = "1024")]
     size: Size,
     /// A folder for pictures of where rays went wrong.
@@ -94,6 +110,8 @@ struct Report {
     diagonal: f64,
     reach: f64,
     mappings: Vec<MappingReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    light: Option<LightReport>,
     images: Vec<String>,
     ms: f64,
     warnings: Vec<String>,
@@ -109,17 +127,30 @@ struct MappingReport {
     sampling_uniformity: f64,
     missed_fraction: f64,
     rays: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    light_flip: Option<Flips>,
 }
 
 impl Assess {
     pub(super) fn run(&self, common: &Common) -> Result<()> {
         let settings = self.settings()?;
         let (high, low) = (scene(&self.high)?, scene(&self.low)?);
+        let cage = self.cage.as_deref().map(scene).transpose()?;
         let device = Device::open(common)?;
         let heard = Bar::new(common, 1);
         let start = Instant::now();
         let draw = |picture| renderer(&device, picture);
-        let assessment = assess(&high, &low, &settings, &draw, &heard)?;
+        let assessment = assess_in_cage((&high, &low, cage.as_ref()), &settings, &draw, &heard)?;
+        let pictured = Pictured {
+            high: &high,
+            low: &low,
+            cage: cage.as_ref(),
+            device: &device,
+        };
+        let lit = match self.lights {
+            0 => None,
+            lights => Some(pictured.flips(&settings, (lights, self.light_views), &heard)?),
+        };
         let ms = start.elapsed().as_secs_f64() * 1e3;
         drop(heard);
         device.check();
@@ -130,6 +161,12 @@ impl Assess {
         for warning in &assessment.warnings {
             note(common, warning);
         }
+        let (light, flips) = lit.map_or((None, vec![]), |(light, flips)| (Some(light), flips));
+        let flips = flips
+            .into_iter()
+            .map(Some)
+            .chain(std::iter::repeat_with(|| None));
+        let ratings = assessment.ratings.iter().zip(flips);
         let report = Report {
             high: high.name.clone(),
             low: low.name.clone(),
@@ -139,7 +176,10 @@ impl Assess {
             size: settings.size,
             diagonal: assessment.diagonal,
             reach: assessment.reach,
-            mappings: assessment.ratings.iter().map(MappingReport::new).collect(),
+            mappings: ratings
+                .map(|(r, flips)| MappingReport::new(r, flips))
+                .collect(),
+            light,
             images,
             ms,
             warnings: assessment.warnings.clone(),
@@ -155,6 +195,17 @@ impl Assess {
         let Size(size, height) = self.size;
         if size != height {
             return Err(bad_option("--size", "textures are square: give one number"));
+        }
+        for (option, value, least) in [
+            ("--lights", self.lights, 0),
+            ("--light-views", self.light_views, 1),
+        ] {
+            if !(least..=360).contains(&value) {
+                return Err(bad_option(
+                    option,
+                    format!("{value} is outside {least} to 360"),
+                ));
+            }
         }
         if self.output.is_some() && !(16..=8192).contains(&self.heat_size) {
             let reason = format!("{} is outside 16 to 8192", self.heat_size);
@@ -197,7 +248,7 @@ fn mappings(names: &[String]) -> Result<Vec<Mapping>> {
 }
 
 impl MappingReport {
-    fn new(rating: &Rating) -> Self {
+    fn new(rating: &Rating, light_flip: Option<Flips>) -> Self {
         MappingReport {
             mapping: rating.mapping.name(),
             object_space: rating.object_space,
@@ -207,6 +258,7 @@ impl MappingReport {
             sampling_uniformity: rating.sampling_uniformity,
             missed_fraction: rating.missed_fraction,
             rays: rating.rays,
+            light_flip,
         }
     }
 }
@@ -240,10 +292,46 @@ impl Report {
             "\n* the best; distances in percent of the diagonal, {} views of {} x {} rays\n",
             self.views, self.rays, self.rays
         );
+        if let Some(light) = &self.light {
+            text += &self.text_of_light(light);
+        }
         self.images
             .iter()
             .for_each(|path| text += &format!("{path}\n"));
         text
+    }
+
+    /// FLIP, a column for each direction of light.
+    fn text_of_light(&self, light: &LightReport) -> String {
+        let turns = light
+            .turn_degrees
+            .iter()
+            .map(|turn| format!("{turn:.0} deg"));
+        let headings: Vec<String> = ["mapping".into(), "FLIP".into()]
+            .into_iter()
+            .chain(turns)
+            .collect();
+        let mut table = Table::new(&headings.iter().map(String::as_str).collect::<Vec<_>>());
+        let mut row = |name: &str, flips: &Flips| {
+            let numbers = std::iter::once(&flips.mean).chain(&flips.lights);
+            let cells = numbers.map(|n| format!("{n:.4}"));
+            table.row(std::iter::once(name.to_owned()).chain(cells));
+        };
+        let rated = self
+            .mappings
+            .iter()
+            .filter_map(|m| Some((m.mapping, m.light_flip.as_ref()?)));
+        rated.for_each(|(name, flips)| row(name, flips));
+        row("(LOW as it is)", &light.low);
+        format!(
+            "\n{}\nFLIP of LOW with baked normals against HIGH, in one grey, light {:.0} degrees off the eye and turned round it, \
+             {} views of {} x {} pixels\n",
+            table.text(),
+            light.off_eye_degrees,
+            light.views,
+            light.size,
+            light.size
+        )
     }
 }
 

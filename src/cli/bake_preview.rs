@@ -4,7 +4,7 @@
 use super::device::Device;
 use super::recovery::renderer;
 use invertex::Result;
-use invertex::measure::{Picture, Region, difference_image};
+use invertex::measure::{Picture, Region, difference_image, in_grey};
 use invertex::output::encode_png;
 use invertex::render::{
     Camera, Correspond, Options, Output, Projection, Renderer, reference_sphere, stage,
@@ -15,8 +15,6 @@ use invertex::scene::Scene;
 const SIDE: u32 = 512;
 /// Where it is looked at from, degrees.
 const VIEW: [f64; 2] = [30.0, 15.0];
-/// Linear; bright fronts stay below white.
-const GREY: [f32; 4] = [0.6, 0.6, 0.6, 1.0];
 /// What is behind.
 const GROUND: [f32; 3] = [24.0, 25.0, 28.0];
 
@@ -38,23 +36,14 @@ pub(super) fn preview(device: &Device, high: &Scene, low: &Scene, baked: &[u8]) 
         .materials
         .iter()
         .any(|m| m.base_color_texture.is_some());
+    // Where no colours were baked, shapes are what is to be compared.
     let draw = |scene: &Scene| match coloured {
         true => picture(device, scene, &camera),
-        false => picture(device, &grey(scene), &camera),
+        false => picture(device, &in_grey(scene), &camera),
     };
     let (rich, plain, again) = (draw(high)?, draw(low)?, draw(&baked)?);
     let differ = difference_image(&rich, &again, Region::Foreground, ["high", "baked"])?;
     encode_png(4 * SIDE, SIDE, &row([&rich, &plain, &again, &differ]))
-}
-
-/// The same in one grey: where no colours were baked, shapes are what is to be compared.
-fn grey(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
-    for material in &mut scene.materials {
-        (material.base_color, material.base_color_texture) = (GREY, None);
-    }
-    scene.meshes.iter_mut().for_each(|mesh| mesh.colors.clear());
-    scene
 }
 
 fn picture(device: &Device, scene: &Scene, camera: &Camera) -> Result<Picture> {

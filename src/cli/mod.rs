@@ -5,6 +5,7 @@
 
 mod ambiguous;
 mod assess;
+mod assess_light;
 mod attribute;
 mod bake;
 mod bake_around;

@@ -52,7 +52,7 @@ pub(crate) use continuity::{Links, centres};
 pub(crate) use find::{Finder, Search};
 pub(crate) use high::High;
 pub(crate) use laid::Laid;
-pub(crate) use pair::{lay, meet, reach};
+pub(crate) use pair::{cage_is_asked_for, lay, meet, reach};
 pub(crate) use probe::spread;
 pub(crate) use texel::place;
 pub(crate) use visible::{Field, Fields};

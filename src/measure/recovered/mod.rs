@@ -23,7 +23,8 @@ pub use heat::Heat;
 
 use crate::asset::Progress;
 use crate::recover::{
-    Draw, Field, Fields, Finder, High, Laid, Mapping, Misses, Recovery, UvLayout, lay, meet, reach,
+    Draw, Field, Fields, Finder, High, Laid, Mapping, Misses, Recovery, UvLayout,
+    cage_is_asked_for, lay, meet, reach,
 };
 use crate::scene::Scene;
 use crate::{Error, Result};
@@ -115,8 +116,25 @@ pub fn assess(
     draw: Draw,
     progress: &dyn Progress,
 ) -> Result<Assessment> {
+    assess_in_cage((high_scene, low_scene, None), settings, draw, progress)
+}
+
+/// Likewise, with a scene whose meshes are cages, as [`Pair::in_cage`](crate::recover::Pair::in_cage) has them.
+///
+/// # Errors
+/// As [`assess`]; [`Error::Option`] for a cage that none of the mappings asks for, [`Error::Input`] for one whose triangles are
+/// others.
+pub fn assess_in_cage(
+    (high_scene, low_scene, cage): (&Scene, &Scene, Option<&Scene>),
+    settings: &AssessSettings,
+    draw: Draw,
+    progress: &dyn Progress,
+) -> Result<Assessment> {
     check(settings)?;
-    let lows = lay(low_scene, None, settings.layout, settings.size)?;
+    if cage.is_some() {
+        cage_is_asked_for(&settings.mappings)?;
+    }
+    let lows = lay(low_scene, cage, settings.layout, settings.size)?;
     let high = High::new(high_scene, None)?;
     meet(high_scene, &high, low_scene, &lows)?;
     let all: Vec<&Laid> = lows.iter().collect();
