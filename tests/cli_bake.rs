@@ -222,7 +222,7 @@ fn what_cannot_be_baked_is_refused_before_anything_is_written() {
         (
             &["--attributes", "normal", "--size", "8"],
             2,
-            &["--size", "16 to 8192"],
+            &["--size", "16 to 16384"],
         ),
         (
             &["--attributes", "normal", "--size", "64x32"],

@@ -33,7 +33,7 @@ pub struct BakeSettings {
     pub over: Over,
     /// One texture for each.
     pub attributes: Vec<BakeAttribute>,
-    /// Texels along each side, 16 to 8192.
+    /// Texels along each side, 16 to 16384.
     pub size: u32,
     /// Samples along each side of a texel, 1 to 8: their mean is the texel.
     pub samples: u32,

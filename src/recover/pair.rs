@@ -23,10 +23,13 @@ use crate::mesh::Mesh;
 use crate::mesh::bvh::NO_HINT;
 use crate::scene::Scene;
 use crate::{Error, Result};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// How much farther than the largest distance found rays go.
 const FARTHER: f32 = 2.0;
+/// Points that one core asks about in a run, each search beginning where the last one ended.
+const CHUNK: usize = 512;
 
 /// What is baked, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +44,7 @@ pub struct PairSettings {
     pub by_name: bool,
     /// One texture for each.
     pub attributes: Vec<BakeAttribute>,
-    /// Texels along each side, 16 to 8192.
+    /// Texels along each side, 16 to 16384.
     pub size: u32,
     /// Samples along each side of a texel, 1 to 8: their mean is the texel.
     pub samples: u32,
@@ -322,16 +325,24 @@ pub(crate) fn reach(high: &High, low: &Laid, recovery: &Recovery) -> f32 {
     if let Some(diagonals) = recovery.reach {
         return diagonals * high.tree.diagonal();
     }
-    let mut asking = high.tree.asking();
-    let (mut most, mut hint) = (0.0f32, NO_HINT);
-    for t in 0..low.world.triangles.len() {
-        let corner = |k: usize| [0, 1, 2].map(|i| f32::from(u8::from(i == k)));
-        for b in [corner(0), corner(1), corner(2), [1.0 / 3.0; 3]] {
-            if let Some(found) = asking.closest(low.point(t, b), f32::INFINITY, None, hint) {
+    let mut corners = low.world.triangles.as_flattened().to_vec();
+    corners.sort_unstable();
+    corners.dedup();
+    let corners = corners.iter().map(|&v| low.world.positions[v as usize]);
+    let middle = |t: usize| low.point(t, [1.0 / 3.0; 3]);
+    let middles = (0..low.world.triangles.len()).map(middle);
+    let points: Vec<_> = corners.chain(middles).collect();
+    let farthest = |points: &[[f32; 3]]| {
+        let (mut asking, mut most, mut hint) = (high.tree.asking(), 0.0f32, NO_HINT);
+        for &p in points {
+            if let Some(found) = asking.closest(p, f32::INFINITY, None, hint) {
                 (most, hint) = (most.max(found.distance), found.hint);
             }
         }
-    }
+        most
+    };
+    let chunks = points.par_chunks(CHUNK).map(farthest);
+    let most = chunks.reduce(|| 0.0, f32::max);
     // Two surfaces in one place leave room for rounding.
     (FARTHER * most.sqrt()).max(1e-4 * high.tree.diagonal())
 }

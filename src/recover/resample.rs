@@ -5,7 +5,7 @@
 //!
 //! Memory is bounded whatever is asked for: as many textures are made in one walk as are allowed room for, at least one, and
 //! another walk makes the next ones. At 8192 x 8192 texels a texture takes 1 GiB while it is made, and what is known of texels
-//! a tenth of that.
+//! a tenth of that; at 16384 x 16384 four times as much.
 
 use super::around::{Around, Looking};
 use super::fill::{Grown, growth};
@@ -20,8 +20,10 @@ use std::ops::Range;
 
 /// Rows of texels in a band.
 pub(super) const BAND: u32 = 16;
+/// Texels that one core works on at a time where they do not depend on others.
+const CHUNK: usize = 1 << 16;
 /// The largest texture's side.
-const MOST: u32 = 8192;
+const MOST: u32 = 16_384;
 
 /// A surface that textures are made for, and the way from it to the reference.
 pub(super) trait Surface: Sync {
@@ -266,8 +268,16 @@ impl Walk<'_> {
 impl Texels {
     /// Tells how many texels are what.
     fn count(&self, baked: &mut Baked) {
-        let count = |wanted: u8| self.state.iter().filter(|&&s| s == wanted).count() as u64;
-        let [empty, replaced, found] = [state::EMPTY, state::REPLACED, state::FOUND].map(count);
+        let counted = |states: &[u8]| {
+            let mut counts = [0u64; 4];
+            states.iter().for_each(|&s| counts[usize::from(s)] += 1);
+            counts
+        };
+        let both = |a: [u64; 4], b: [u64; 4]| [0, 1, 2, 3].map(|k| a[k] + b[k]);
+        let counts = self.state.par_chunks(CHUNK).map(counted);
+        let counts = counts.reduce(|| [0; 4], both);
+        let [empty, replaced, found] =
+            [state::EMPTY, state::REPLACED, state::FOUND].map(|s| counts[usize::from(s)]);
         baked.filled = found + replaced;
         baked.missed = empty + replaced;
         baked.empty = empty;
@@ -308,10 +318,15 @@ fn closed(
         known[g.at as usize] = true;
     }
     let [x, y, z, w] = source.absent(mean(&values, &known));
-    for (at, value) in values.iter_mut().enumerate().filter(|(at, _)| !known[*at]) {
-        let blank = !fineness.fill && state[at] == state::EMPTY;
-        *value = [x, y, z, if blank { 0.0 } else { w }];
-    }
+    let chunks = values.par_chunks_mut(CHUNK);
+    let known = known.par_chunks(CHUNK).zip(state.par_chunks(CHUNK));
+    chunks.zip(known).for_each(|(values, (known, state))| {
+        let texels = values.iter_mut().zip(known).zip(state);
+        for ((value, _), state) in texels.filter(|((_, known), _)| !**known) {
+            let blank = !fineness.fill && *state == state::EMPTY;
+            *value = [x, y, z, if blank { 0.0 } else { w }];
+        }
+    });
     values
 }
 
