@@ -9,7 +9,7 @@ mod painted;
 
 use cli_support::{Folder, Run, invertex};
 use invertex::asset::{Built, Model};
-use invertex::lod::multiresolution::Limits;
+use invertex::lod::multiresolution::{Criterion, Limits};
 use invertex::render::{Camera, Cutter, Projection, reference_sphere};
 use serde_json::Value;
 
@@ -146,7 +146,7 @@ fn what_cannot_be_cut_is_said() {
 /// Triangles of the cut on either side of x = 0: on the plain half, and on the other.
 fn halves(built: &Built, camera: &Camera, colour: Option<f64>) -> [usize; 2] {
     let limits = Limits {
-        colour,
+        criterion: colour.map_or(Criterion::Displacement, Criterion::Colour),
         ..Limits::default()
     };
     let cuts = Cutter::new(built).unwrap().cut(camera, &limits).unwrap();

@@ -11,7 +11,7 @@ mod unpromised;
 use colour::spread;
 use glam::DVec3;
 use invertex::asset::{BuildSettings, Built, Multiresolution, Processor, build};
-use invertex::lod::multiresolution::Limits;
+use invertex::lod::multiresolution::{Criterion, Limits};
 use invertex::lod::progressive::colour::Distance;
 use invertex::measure::displaced;
 use invertex::param::PrimaryRequest;
@@ -110,7 +110,7 @@ impl<'a> Subject<'a> {
     fn cut(&mut self, camera: &Camera, colour: Option<f64>) -> Cuts {
         let limits = Limits {
             pixels: PIXELS,
-            colour: colour.filter(|_| self.cutter.knows_colours()),
+            criterion: colour.map_or(Criterion::Displacement, Criterion::Colour),
             ..Limits::default()
         };
         self.cutter.cut(camera, &limits).unwrap()

@@ -5,7 +5,7 @@ mod parted;
 
 use camera::{looking, perspective};
 use glam::DVec3;
-use invertex::lod::multiresolution::{Hierarchy, Limits, Memory, Seen, StepColours};
+use invertex::lod::multiresolution::{Criterion, Hierarchy, Limits, Memory, Seen, StepColours};
 use invertex::lod::progressive::colour::Distance;
 use invertex::lod::progressive::{Cost, Deviation, Progressive, Steps};
 use invertex::mesh::shapes;
@@ -175,7 +175,7 @@ fn colours_let_the_plain_half_be_coarse() {
     let halves = |colour: Option<f64>| {
         let limits = Limits {
             pixels: 0.5,
-            colour,
+            criterion: colour.map_or(Criterion::Displacement, Criterion::Colour),
             ..Limits::default()
         };
         let view = hierarchy.model.view(&seen(2.0), &limits).unwrap();
@@ -205,16 +205,16 @@ fn the_surface_alone_lets_its_texture_go() {
     let history = Progressive::new(&model.input(), Cost::Displacement, 4);
     let coarsest = history.after(history.collapses.len()).count();
     let cuts = Hierarchy::new(history, &model.mesh.positions, None).model;
-    let cut = |surface: bool| {
+    let cut = |criterion: Criterion| {
         let limits = Limits {
-            surface,
+            criterion,
             ..Limits::default()
         };
         let view = cuts.view(&seen(3.0), &limits).unwrap();
         let cut = cuts.select(&[view], &mut Memory::default());
         (cut.faces.len(), cuts.displacement(&[view], &cut))
     };
-    let ((all, kept), (few, gone)) = (cut(false), cut(true));
+    let ((all, kept), (few, gone)) = (cut(Criterion::Displacement), cut(Criterion::Surface));
     assert!(few == coarsest && all > 3 * few, "{all} {few}");
     assert!(kept <= 0.5 * 1.00001 && gone > 5.0, "{kept} {gone}");
 }

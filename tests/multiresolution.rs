@@ -6,7 +6,9 @@ mod parted;
 
 use camera::{looking, parallel, perspective};
 use glam::{DMat4, DVec3, DVec4};
-use invertex::lod::multiresolution::{Cut, Limits, Memory, Multiresolution, NEVER, Seen};
+use invertex::lod::multiresolution::{
+    Criterion, Cut, Limits, Memory, Multiresolution, NEVER, Seen,
+};
 use invertex::lod::progressive::{Cost, Progressive};
 use invertex::mesh::{Mesh, shapes};
 use invertex::param::{Axis, PrimaryKind, projection};
@@ -117,10 +119,12 @@ fn view(i: u64, about: DVec3, size: f64) -> Seen {
 fn limits(i: u64) -> Limits {
     Limits {
         pixels: [0.5, 0.0, 3.0, 20.0][(i / 3 % 4) as usize],
-        surface: i % 7 == 3,
+        criterion: match i % 7 {
+            3 => Criterion::Surface,
+            _ => Criterion::Displacement,
+        },
         outside: i.is_multiple_of(2),
         hysteresis: [1.0, 0.7][(i / 2 % 2) as usize],
-        ..Limits::default()
     }
 }
 
@@ -230,7 +234,7 @@ fn limits_of_nothing_and_of_everything() {
         };
         assert!(subject.cuts.view(&seen, &limits).is_err());
         let limits = Limits {
-            colour: Some(wrong),
+            criterion: Criterion::Colour(wrong),
             ..Limits::default()
         };
         assert!(subject.cuts.view(&seen, &limits).is_err());
@@ -242,12 +246,6 @@ fn limits_of_nothing_and_of_everything() {
         };
         assert!(subject.cuts.view(&seen, &limits).is_err());
     }
-    let both = Limits {
-        surface: true,
-        colour: Some(1.0),
-        ..Limits::default()
-    };
-    assert!(subject.cuts.view(&seen, &both).is_err());
     let flat = Seen {
         object_to_view: DMat4::from_scale(DVec3::new(1.0, 1.0, 0.0)),
         ..seen

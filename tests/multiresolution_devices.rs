@@ -10,7 +10,7 @@ use devices::on_every_device;
 use glam::DVec3;
 use invertex::lod::multiresolution::gpu::{MOST_VIEWS, Selector};
 use invertex::lod::multiresolution::{
-    Hierarchy, Limits, Memory, Multiresolution, Seen, StepColours, View,
+    Criterion, Hierarchy, Limits, Memory, Multiresolution, Seen, StepColours, View,
 };
 use invertex::lod::progressive::colour::Distance;
 use invertex::lod::progressive::{Cost, Progressive};
@@ -51,8 +51,12 @@ fn view(model: &Multiresolution, i: u64) -> View {
     };
     let limits = Limits {
         pixels: [0.5, 0.0, 4.0][(i % 3) as usize],
-        colour: [None, Some(2.0), Some(20.0)][(i / 2 % 3) as usize],
-        surface: i / 2 % 6 == 3,
+        criterion: match i / 2 % 6 {
+            0 => Criterion::Displacement,
+            3 => Criterion::Surface,
+            1 | 4 => Criterion::Colour(2.0),
+            _ => Criterion::Colour(20.0),
+        },
         hysteresis: [1.0, 0.7][(i / 3 % 2) as usize],
         outside: i.is_multiple_of(2),
     };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use invertex::Result;
 use invertex::asset::Built;
-use invertex::lod::multiresolution::Limits;
+use invertex::lod::multiresolution::{Criterion, Limits};
 use invertex::measure::Displacements;
 use invertex::output::report::{self, Axis, Chart, Line, Marks, Page, Plot, Section, Shot};
 use invertex::output::write_bytes;
@@ -87,8 +87,8 @@ impl Flight {
             device,
             limits: Within {
                 pixels: limits.pixels,
-                colour: limits.colour,
-                surface: limits.surface,
+                colour: limits.criterion.colour(),
+                surface: limits.criterion == Criterion::Surface,
                 hysteresis: limits.hysteresis,
                 outside: if limits.outside { "fine" } else { "coarse" },
             },

@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use invertex::Result;
 use invertex::asset::Built;
-use invertex::lod::multiresolution::Limits;
+use invertex::lod::multiresolution::{Criterion, Limits};
 use invertex::render::{Camera, in_chain, levels, triangles};
 
 use super::bad_option;
@@ -19,16 +19,14 @@ pub(super) enum LodChoice {
     Level(usize),
     /// The finest level with at most so many triangles, over the whole model; the coarsest where all have more.
     Triangles(usize),
-    /// Of a multiresolution model the cut within so many pixels, and within the colour difference where one is given; of others
-    /// the coarsest level whose deviation stays under the pixels.
-    Pixels {
+    /// Of a multiresolution model the cut that keeps within so many pixels by a criterion; of others the coarsest level whose
+    /// deviation stays under the pixels.
+    Cut {
         /// Pixels on the screen.
         pixels: f64,
-        /// In the unit of the model's colour deviations.
-        colour: Option<f64>,
+        /// What must keep within them.
+        criterion: Criterion,
     },
-    /// Of a multiresolution model the cut whose surface is off by no more pixels, wherever its texture goes.
-    Surface(f64),
 }
 
 impl FromStr for LodChoice {
@@ -49,15 +47,18 @@ impl FromStr for LodChoice {
         match text.split_once(':') {
             None => text.parse().map(LodChoice::Level).map_err(|_| wrong()),
             Some(("triangles", n)) => n.parse().map(LodChoice::Triangles).map_err(|_| wrong()),
-            Some(("surface", pixels)) => limit(pixels).map(LodChoice::Surface),
+            Some(("surface", pixels)) => Ok(LodChoice::Cut {
+                pixels: limit(pixels)?,
+                criterion: Criterion::Surface,
+            }),
             Some(("pixels", limits)) => {
                 let (pixels, colour) = match limits.split_once(",colour:") {
                     Some((pixels, colour)) => (pixels, Some(limit(colour)?)),
                     None => (limits, None),
                 };
-                Ok(LodChoice::Pixels {
+                Ok(LodChoice::Cut {
                     pixels: limit(pixels)?,
-                    colour,
+                    criterion: colour.map_or(Criterion::Displacement, Criterion::Colour),
                 })
             }
             Some(_) => Err(wrong()),
@@ -90,7 +91,7 @@ impl LodChoice {
                 let fits = |&level: &usize| triangles(built, level) <= most;
                 Ok((0..levels).find(fits).unwrap_or(levels - 1))
             }
-            LodChoice::Pixels { pixels: most, .. } | LodChoice::Surface(most) => {
+            LodChoice::Cut { pixels: most, .. } => {
                 let scale = pixels_per_unit(camera, sphere);
                 let fits = |&level: &usize| deviation(built, level) * scale <= most;
                 Ok((0..levels).rev().find(fits).unwrap_or(0))
@@ -103,15 +104,12 @@ impl LodChoice {
     /// The limits of a cut; none where a level is meant. In a sequence what is finer stays so until it may be coarser with
     /// a tenth to spare: nothing flickers.
     pub(super) fn limits(&self, is_sequence: bool) -> Option<Limits> {
-        let (pixels, colour, surface) = match *self {
-            LodChoice::Pixels { pixels, colour } => (pixels, colour, false),
-            LodChoice::Surface(pixels) => (pixels, None, true),
-            LodChoice::Level(_) | LodChoice::Triangles(_) => return None,
+        let LodChoice::Cut { pixels, criterion } = *self else {
+            return None;
         };
         Some(Limits {
             pixels,
-            colour,
-            surface,
+            criterion,
             hysteresis: if is_sequence { 0.9 } else { 1.0 },
             outside: true,
         })
@@ -178,13 +176,14 @@ mod tests {
     fn choices_are_read() {
         assert_eq!("3".parse(), Ok(LodChoice::Level(3)));
         assert_eq!("triangles:500".parse(), Ok(LodChoice::Triangles(500)));
-        let pixels = |colour| LodChoice::Pixels {
-            pixels: 0.5,
-            colour,
-        };
-        assert_eq!("pixels:0.5".parse(), Ok(pixels(None)));
-        assert_eq!("pixels:0.5,colour:2".parse(), Ok(pixels(Some(2.0))));
-        assert_eq!("surface:0.5".parse(), Ok(LodChoice::Surface(0.5)));
+        for (text, criterion) in [
+            ("pixels:0.5", Criterion::Displacement),
+            ("pixels:0.5,colour:2", Criterion::Colour(2.0)),
+            ("surface:0.5", Criterion::Surface),
+        ] {
+            let pixels = 0.5;
+            assert_eq!(text.parse(), Ok(LodChoice::Cut { pixels, criterion }));
+        }
         for bad in [
             "",
             "-1",

@@ -215,10 +215,7 @@ impl Render {
             return Err(bad_option("--samples", reason));
         }
         self.check_shader_lod()?;
-        let switches = matches!(
-            self.lod,
-            Some(LodChoice::Pixels { .. } | LodChoice::Surface(_))
-        );
+        let switches = matches!(self.lod, Some(LodChoice::Cut { .. }));
         let coloured = !matches!(self.mode, Mode::Normals | Mode::Fetches);
         self.motion.check_blend(switches, coloured)?;
         if let Some(camera) = &self.camera {

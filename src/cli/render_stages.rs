@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use invertex::Result;
 use invertex::asset::Model;
-use invertex::lod::multiresolution::Limits;
+use invertex::lod::multiresolution::{Criterion, Limits};
 use invertex::render::{Camera, Cutter, Options, Rendered, Renderer, Switching, blended};
 use invertex::scene::Pose;
 
@@ -89,11 +89,13 @@ impl<'a> Stages<'a> {
 
     /// What a model must have for the limits that are asked for.
     pub(super) fn check_cuts(&self, lod: Option<LodChoice>, blend: u32) -> Result<()> {
-        let (colour, surface) = match lod {
-            Some(LodChoice::Pixels { colour, .. }) => (colour.is_some(), false),
-            Some(LodChoice::Surface(_)) => (false, true),
-            _ => return Ok(()),
+        let Some(LodChoice::Cut { criterion, .. }) = lod else {
+            return Ok(());
         };
+        let (colour, surface) = (
+            criterion.colour().is_some(),
+            criterion == Criterion::Surface,
+        );
         let reason = match &self.cutter {
             None if colour => {
                 "colour: this model has no multiresolution model; build it with --mrm"
@@ -182,8 +184,8 @@ impl<'a> Stages<'a> {
             leaving: None,
             cut: Some(CutReport {
                 pixels: limits.pixels,
-                colour: limits.colour,
-                surface: limits.surface,
+                colour: limits.criterion.colour(),
+                surface: limits.criterion == Criterion::Surface,
                 bound_pixels: cuts.displacement,
                 asked: cuts.asked,
                 changed: cuts.changed,

@@ -16,7 +16,7 @@ use super::profile::{Bench, Sitter};
 use super::timing::TimeStatistics;
 use super::{Comparison, Picture};
 use crate::Result;
-use crate::lod::multiresolution::{Limits, Memory, Multiresolution, View};
+use crate::lod::multiresolution::{Criterion, Limits, Memory, Multiresolution, View};
 use crate::render::{
     self, Camera, Correspond, Cutter, Options, Output, Rendered, Renderer, stage_with,
 };
@@ -25,45 +25,6 @@ use std::time::Instant;
 
 /// Selections that are timed for each row, at most.
 const SELECTIONS: u32 = 9;
-
-/// What decides a cut.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Criterion {
-    /// How far the surface moves.
-    Surface,
-    /// How far anything that it shows moves.
-    Pixels,
-    /// That, or how much its colours change.
-    Colour(f64),
-}
-
-impl Criterion {
-    /// Its name in results.
-    pub fn name(self) -> &'static str {
-        match self {
-            Criterion::Surface => "surface",
-            Criterion::Pixels => "pixels",
-            Criterion::Colour(_) => "pixels+colour",
-        }
-    }
-
-    /// The limit of colours.
-    pub fn colour(self) -> Option<f64> {
-        match self {
-            Criterion::Colour(limit) => Some(limit),
-            Criterion::Surface | Criterion::Pixels => None,
-        }
-    }
-
-    fn limits(self, pixels: f64) -> Limits {
-        Limits {
-            pixels,
-            colour: self.colour(),
-            surface: self == Criterion::Surface,
-            ..Limits::default()
-        }
-    }
-}
 
 /// What cuts are made within.
 #[derive(Clone, Debug, PartialEq)]
@@ -162,7 +123,7 @@ impl Bench<'_> {
 fn criteria(ranges: &CutRanges, knows_colours: bool) -> Vec<Criterion> {
     let colours = ranges.colours.iter().filter(|_| knows_colours);
     let colours = colours.map(|&limit| Criterion::Colour(limit));
-    [Criterion::Surface, Criterion::Pixels]
+    [Criterion::Surface, Criterion::Displacement]
         .into_iter()
         .chain(colours)
         .collect()
@@ -232,7 +193,11 @@ impl<'a> Cutting<'a> {
     }
 
     fn run(&mut self, seen: &Seen, criterion: Criterion, pixels: f64) -> Result<CutRun> {
-        let limits = criterion.limits(pixels);
+        let limits = Limits {
+            pixels,
+            criterion,
+            ..Limits::default()
+        };
         let cuts = self.cutter.cut(&seen.camera, &limits)?;
         let image = self.draw(&seen.camera, &cuts)?;
         let off = displaced(&self.sitter.built.scene, &seen.camera, &image);

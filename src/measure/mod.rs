@@ -22,7 +22,7 @@ mod timing;
 mod trace;
 
 pub use compare::{Comparison, Region, compare, difference_image};
-pub use cuts::{Criterion, CutRanges, CutRun};
+pub use cuts::{CutRanges, CutRun};
 pub use displaced::{Displacements, displaced};
 pub use equal::{EqualFlip, WithColour, at_equal_flip};
 pub use fetches::{FetchCounts, fetches_of_uv};

@@ -6,7 +6,7 @@ use crate::colour::{Model, spread};
 use crate::unpromised::Unpromised;
 use glam::{DMat4, DVec3};
 use invertex::asset::{Built, colours_of};
-use invertex::lod::multiresolution::{Hierarchy, Limits, Memory};
+use invertex::lod::multiresolution::{Criterion, Hierarchy, Limits, Memory};
 use invertex::lod::progressive::Made;
 use invertex::lod::progressive::colour::{ColourDeviations, Colours, Distance};
 use invertex::render::Camera;
@@ -87,7 +87,7 @@ impl Promising<'_> {
         };
         let limits = Limits {
             pixels: PIXELS,
-            colour: Some(colour),
+            criterion: Criterion::Colour(colour),
             ..Limits::default()
         };
         let model = &self.hierarchy.model;

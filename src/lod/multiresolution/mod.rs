@@ -37,7 +37,7 @@ mod view;
 pub use bound::Bound;
 pub use colour::{Colours, StepColours, decoded, encoded};
 pub use hierarchy::Hierarchy;
-pub use limits::Limits;
+pub use limits::{Criterion, Limits};
 pub use select::{Cut, Memory};
 pub use view::{MAX_LEVELS, Seen, View};
 

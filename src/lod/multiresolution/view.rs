@@ -18,8 +18,8 @@
 //! Nothing here divides or takes a root, so that processors agree to the bit. Source: Schilling and Klein, Texture-dependent
 //! refinement of multiresolution meshes, section 5 and figure 4.
 
-use super::Limits;
 use super::bound::{Bound, NORMAL_STEPS};
+use super::{Criterion, Limits};
 use crate::error::{Error, Result};
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, DVec4};
@@ -131,21 +131,22 @@ impl View {
         let from =
             |level: usize| up((footprint / unit * (level as f64).exp2() * per_distance).powi(2));
         let flag = |set: bool, bit: u32| if set { bit } else { 0 };
+        let colour = limits.criterion.colour();
         let both = |limit: f64| [(limit * limits.hysteresis) as f32, limit as f32];
         Ok(View {
             eye: eye.as_vec3().to_array(),
             flags: flag(perspective, PERSPECTIVE)
                 | flag(seen.double_sided, DOUBLE_SIDED)
                 | flag(stretch.is_even(), ANGLES)
-                | flag(limits.colour.is_some() && levels > 0, COLOURS)
+                | flag(colour.is_some() && levels > 0, COLOURS)
                 | flag(!limits.outside, OUTSIDE_IS_COARSE)
-                | flag(limits.surface, SURFACE_ALONE),
+                | flag(limits.criterion == Criterion::Surface, SURFACE_ALONE),
             forward: forward.as_vec3().to_array(),
             by_distance: up(by_distance),
             by_depth: up(pixels * stretch.most * stretch.most),
             levels: levels as u32,
             pixels: both(limits.pixels),
-            colour: both(limits.colour.unwrap_or(0.0)),
+            colour: both(colour.unwrap_or(0.0)),
             unused: [0; 2],
             from: std::array::from_fn(from),
             planes: planes(&(p * to_view)),
