@@ -14,7 +14,7 @@ pub const EXTENSION: &str = "INVERTEX_inverse_geometric_texture";
 pub(super) const MSFT_LOD: &str = "MSFT_lod";
 
 /// Version of the extension that is written and read.
-pub(super) const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 3;
 
 /// On the root: what of the document is the original's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

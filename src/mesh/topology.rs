@@ -4,6 +4,7 @@
 //! the same mesh always gets the same labels. Everything is iterative and works on non-manifold input.
 
 use super::Mesh;
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::hash::Hash;
 
@@ -148,7 +149,7 @@ impl Adjacency {
                 }
             }
         }
-        edges.sort_unstable();
+        edges.par_sort_unstable();
         let mut out = Adjacency {
             across: vec![[NONE; 3]; triangles.len()],
             border_edges: 0,

@@ -15,14 +15,14 @@ use rayon::prelude::*;
 const SHARE: usize = 4;
 
 /// Candidates that one processor plans at a time, at least: its scratch is filled anew for each such piece.
-const PIECE: usize = 32;
+const PIECE: usize = 8;
 
 /// A plan is not made to the end where it comes to cost more than this many times the price of its round: it would seldom be
 /// still right when its turn comes.
 const DEAR: f64 = 2.0;
 
 /// So few candidates are all planned to the end: the cheapest of them may set the price.
-const FEW: usize = 256;
+const FEW: usize = 32;
 
 /// The work: the surface, candidates, what was done.
 struct Work<'a> {
@@ -30,7 +30,9 @@ struct Work<'a> {
     /// For each place what its collapse seems to cost, and once it is planned, what it costs; infinite where there is none.
     prices: Vec<f64>,
     plans: Vec<Option<Box<Plan>>>,
-    collapses: Vec<Collapse>,
+    /// With their numbers, which have gaps: some that were to be made did not hold.
+    collapses: Vec<(u32, Collapse)>,
+    numbers: u32,
     /// For each place the last round in which it or a neighbour was considered.
     taken: Vec<u32>,
     rounds: u32,
@@ -47,7 +49,7 @@ pub(super) fn simplify(input: &LodInput<'_>, cost: Cost, least: usize) -> Progre
             break;
         }
     }
-    work.surface.live.history(work.collapses)
+    work.into_history()
 }
 
 impl<'a> Work<'a> {
@@ -59,6 +61,7 @@ impl<'a> Work<'a> {
             prices: vec![f64::INFINITY; places],
             plans: (0..places).map(|_| None).collect(),
             collapses: Vec::new(),
+            numbers: 0,
             taken: vec![0; places],
             rounds: 0,
         }
@@ -87,7 +90,7 @@ impl<'a> Work<'a> {
         // Where all turn out dearer than they seemed, the cheapest of them sets the price.
         let limit = ordered.first().map_or(limit, |first| first.0.max(limit));
         ordered.retain(|&(price, _)| price <= limit && price.is_finite());
-        self.make(&ordered, least)
+        self.make(ordered, least)
     }
 
     /// The cheapest candidates in order, and the price up to which they are that.
@@ -129,11 +132,10 @@ impl<'a> Work<'a> {
             limit
         };
         let unplanned = |u: &u32| self.plans[*u as usize].is_none();
-        let open: Vec<u32> = places.iter().copied().filter(unplanned).collect();
-        let (surface, asked) = (
-            &self.surface,
-            (self.collapses.len() as u32, limit, DEAR * limit),
-        );
+        let mut open: Vec<u32> = places.iter().copied().filter(unplanned).collect();
+        // What lies side by side is planned one after the other: it is in the cache then.
+        open.sort_unstable();
+        let (surface, asked) = (&self.surface, (self.numbers, limit, DEAR * limit));
         let planned = |scratch: &mut Scratch, &u: &u32| surface.planned(u, asked, scratch);
         let pieces = open.par_iter().with_min_len(PIECE);
         let plans: Vec<_> = pieces.map_init(Scratch::default, planned).collect();
@@ -152,14 +154,20 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Makes the collapses of places, in order; the places whose surroundings changed.
-    fn make(&mut self, ordered: &[(f64, u32)], least: usize) -> Vec<u32> {
-        let before = self.collapses.len() as u32;
+    /// Makes the collapses of places, of which none shares a face with another, but no more than lead to `least` triangles; the
+    /// places whose surroundings changed. `ordered` tells their order in the history; they are made in that of memory, since
+    /// of such collapses those that hold in one order do so in any.
+    fn make(&mut self, mut ordered: Vec<(f64, u32)>, least: usize) -> Vec<u32> {
+        self.plenty(&mut ordered, least);
+        let before = self.numbers;
+        self.numbers += ordered.len() as u32;
+        let mut numbered: Vec<(u32, u32, f64)> = (before..)
+            .zip(ordered)
+            .map(|(number, (price, u))| (u, number, price))
+            .collect();
+        numbered.sort_unstable_by_key(|&(u, ..)| u);
         let mut dirty = Vec::new();
-        for &(price, u) in ordered {
-            if self.surface.live.count <= least {
-                break;
-            }
+        for (u, number, price) in numbered {
             let Some(plan) = self.plans[u as usize].take() else {
                 continue;
             };
@@ -172,7 +180,7 @@ impl<'a> Work<'a> {
             let around = round.flat_map(|&f| live.faces[f as usize].places);
             let unseen = |&p: &u32| live.changed[p as usize] <= before;
             dirty.extend(around.filter(unseen));
-            self.collapse(u, *plan, price);
+            self.collapse(u, *plan, (number, price));
         }
         let live = &self.surface.live;
         dirty.sort_unstable();
@@ -184,6 +192,19 @@ impl<'a> Work<'a> {
         dirty
     }
 
+    /// Leaves of collapses in order only as many as take the surface down to `least` triangles.
+    fn plenty(&self, ordered: &mut Vec<(f64, u32)>, least: usize) {
+        let mut left = self.surface.live.count;
+        let needed = ordered.iter().take_while(|&&(_, u)| {
+            let is_needed = left > least;
+            let lost = |plan: &Plan| plan.star.lost.len();
+            left -= self.plans[u as usize].as_deref().map_or(0, lost);
+            is_needed
+        });
+        let needed = needed.count();
+        ordered.truncate(needed);
+    }
+
     /// Whether a collapse is still what was planned: where the neighbour gained neighbours meanwhile the surface might close
     /// on itself.
     fn holds(&self, u: u32, plan: &Plan) -> bool {
@@ -192,20 +213,38 @@ impl<'a> Work<'a> {
         live.changed[plan.to as usize] <= plan.made || star().as_ref() == Some(&plan.star)
     }
 
-    fn collapse(&mut self, u: u32, plan: Plan, price: f64) {
+    fn collapse(&mut self, u: u32, plan: Plan, (number, price): (u32, f64)) {
         let surface = &mut self.surface;
-        let (to, number) = (plan.to, self.collapses.len() as u32);
+        let to = plan.to;
         surface
             .live
             .collapse([u, to], &plan.star, plan.turned(), number);
         surface.rims.renew(plan.rims);
         let gone = surface.quadrics[u as usize];
         surface.quadrics[to as usize] += &gone;
-        let dearest = self.collapses.last().map_or(0.0, |last| last.price);
-        self.collapses.push(Collapse {
-            from: u,
-            to,
-            price: dearest.max(price),
-        });
+        let from = u;
+        self.collapses.push((number, Collapse { from, to, price }));
+    }
+
+    /// What became of the surface: collapses in the order of their numbers, and numbered without gaps.
+    fn into_history(mut self) -> Progressive {
+        self.collapses.sort_unstable_by_key(|&(number, _)| number);
+        let mut rank = vec![0; self.numbers as usize];
+        let mut dearest = 0.0f64;
+        for ((number, collapse), k) in self.collapses.iter_mut().zip(0..) {
+            rank[*number as usize] = k;
+            dearest = dearest.max(collapse.price);
+            collapse.price = dearest;
+        }
+        let collapses = self.collapses.into_iter().map(|(_, collapse)| collapse);
+        let mut history = self.surface.live.into_history(collapses.collect());
+        for made in &mut history.triangles {
+            for number in [&mut made.made, &mut made.gone].into_iter().flatten() {
+                *number = rank[*number as usize];
+            }
+        }
+        // Those that one collapse made stand in their order already.
+        history.triangles.par_sort_by_key(|made| made.made);
+        history
     }
 }

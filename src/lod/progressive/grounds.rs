@@ -10,6 +10,8 @@ use super::radial;
 use crate::param::PrimaryKind;
 use crate::param::fit_domain::{Domain, Piece};
 use crate::param::projection::{GridTriangle, Line, orientation};
+use rayon::prelude::*;
+use smallvec::SmallVec;
 use std::ops::RangeInclusive;
 
 /// Cells for each triangle, at most, on average.
@@ -27,12 +29,14 @@ impl Grounds {
     pub(super) fn new(overlay: &Overlay<'_>, kind: PrimaryKind) -> Self {
         let points: Vec<[f64; 3]> = overlay.t3.iter().map(|p| p.to_array()).collect();
         let domain = Domain::new(kind, &points, 0.0);
-        let triangles = overlay.triangles.iter();
-        let mut pieces: Vec<(Piece, u32)> = Vec::new();
-        for (t, corners) in (0u32..).zip(triangles) {
-            let corners = corners.map(|v| points[v as usize]);
+        let of = |t: u32| {
+            let corners = overlay.triangles[t as usize].map(|v| points[v as usize]);
+            let mut pieces: SmallVec<[(Piece, u32); 2]> = SmallVec::new();
             domain.pieces(&corners, |piece| pieces.push((piece, t)));
-        }
+            pieces
+        };
+        let triangles = (0..overlay.triangles.len() as u32).into_par_iter();
+        let pieces: Vec<(Piece, u32)> = triangles.flat_map_iter(of).collect();
         let side = side(&domain, &pieces, overlay.triangles.len());
         let at = |(piece, t): &(Piece, u32)| {
             let t = *t;

@@ -51,20 +51,14 @@ impl Lists {
         &self.pool[span.start..][..span.len as usize]
     }
 
-    /// A new list, after all others.
-    pub(super) fn push(&mut self, items: &[u32]) {
-        self.spans.push(Span::default());
-        self.place(self.spans.len() - 1, items.len());
-        self.append(self.spans.len() - 1, items);
-    }
-
-    /// Puts an item into the place of another.
-    pub(super) fn replace(&mut self, i: u32, old: u32, new: u32) {
-        let span = self.spans[i as usize];
-        let list = &mut self.pool[span.start..][..span.len as usize];
-        if let Some(item) = list.iter_mut().find(|item| **item == old) {
-            *item = new;
+    /// Makes a list one of other items.
+    pub(super) fn set(&mut self, i: u32, items: &[u32]) {
+        if items.len() > self.spans[i as usize].room as usize {
+            self.place(i as usize, items.len());
         }
+        self.spans[i as usize].len = 0;
+        self.append(i as usize, items);
+        self.reclaim_much();
     }
 
     /// Takes an item out; the others keep their order.
@@ -94,6 +88,10 @@ impl Lists {
     pub(super) fn clear(&mut self, i: u32) {
         self.used -= self.spans[i as usize].room as usize;
         self.spans[i as usize] = Span::default();
+        self.reclaim_much();
+    }
+
+    fn reclaim_much(&mut self) {
         if self.pool.len() > SMALL.max(2 * self.used) {
             self.reclaim();
         }
@@ -150,10 +148,10 @@ mod tests {
                     lists.extend(i, &[n, n + 1, n + 2]);
                     list.extend([n, n + 1, n + 2]);
                 }
-                1 if !list.is_empty() => {
-                    let old = list[list.len() / 2];
-                    lists.replace(i, old, n);
-                    *list.iter_mut().find(|item| **item == old).unwrap() = n;
+                1 => {
+                    let items = vec![n; (n % 37) as usize];
+                    lists.set(i, &items);
+                    *list = items;
                 }
                 2 if !list.is_empty() => {
                     let at = list.len() / 3;
@@ -165,10 +163,7 @@ mod tests {
                     lists.clear(i);
                     list.clear();
                 }
-                _ => {
-                    lists.push(&[n; 30]);
-                    known.push(vec![n; 30]);
-                }
+                _ => {}
             }
             reclaimed += usize::from(lists.pool.len() < before);
         }

@@ -18,6 +18,7 @@
 use super::lists::Lists;
 use super::overlay::Deviation;
 use super::ring::Star;
+use super::{Collapse, Made, Progressive};
 use crate::lod::LodInput;
 use crate::param::PrimaryKind;
 use crate::param::fit_surface::weld;
@@ -25,35 +26,33 @@ use crate::param::weld::by_place;
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-/// No collapse.
-pub(super) const NEVER: u32 = u32::MAX;
-
-/// A triangle that is or was part of the surface.
+/// A triangle of the surface. One that a collapse turns stays where it is: what lies side by side does so in memory too.
 #[derive(Clone, Debug)]
 pub(super) struct Face {
     /// Vertices of the mesh.
     pub(super) corners: [u32; 3],
     /// Their places.
     pub(super) places: [u32; 3],
-    pub(super) layer: u8,
     /// The sense in which projection lines meet it.
     pub(super) sense: i8,
     pub(super) deviation: Deviation,
-    /// The collapses that made it and removed it, or [`NEVER`].
-    pub(super) made: u32,
-    pub(super) gone: u32,
+    /// What it is in the history.
+    now: u32,
 }
 
 /// The surface.
 pub(super) struct Live {
     /// For each vertex of the mesh its place, named by one of its vertices.
     pub(super) place: Vec<u32>,
+    /// First those of the reference; some are there no more.
     pub(super) faces: Vec<Face>,
+    /// All there ever were, as they were made.
+    history: Vec<Made>,
     /// The triangles of the mesh that the first faces are.
     pub(super) reference: Vec<u32>,
     /// For each place the faces round it that are there.
     pub(super) round: Lists,
-    /// For each face the triangles of the reference that its image meets; none after it is gone.
+    /// For each face the triangles of the reference that its image meets.
     pub(super) covers: Lists,
     /// For each place how many collapses there had been after the last that changed what lies round it.
     pub(super) changed: Vec<u32>,
@@ -82,8 +81,9 @@ impl Live {
             _ => place.clone(),
         };
         let most = (mesh.triangles.len() as f64 * HISTORY) as usize;
-        let mut faces = Vec::with_capacity(most);
+        let mut faces = Vec::with_capacity(mesh.triangles.len());
         let mut reference = Vec::with_capacity(mesh.triangles.len());
+        let mut history = Vec::with_capacity(most);
         for (t, triangle) in mesh.triangles.iter().enumerate() {
             let corners = triangle.map(|v| vertex[v as usize]);
             let places = corners.map(|v| place[v as usize]);
@@ -93,11 +93,16 @@ impl Live {
                 faces.push(Face {
                     corners,
                     places,
-                    layer: input.parts.triangle_layer[t],
                     sense: sense(t),
                     deviation: Deviation::default(),
-                    made: NEVER,
-                    gone: NEVER,
+                    now: history.len() as u32,
+                });
+                history.push(Made {
+                    corners,
+                    layer: input.parts.triangle_layer[t],
+                    deviation: Deviation::default(),
+                    made: None,
+                    gone: None,
                 });
             }
         }
@@ -110,6 +115,7 @@ impl Live {
             count: faces.len(),
             place,
             faces,
+            history,
             reference,
         }
     }
@@ -123,39 +129,57 @@ impl Live {
         number: u32,
     ) {
         for &f in &star.lost {
-            self.leave(f, u, number, |round, place| round.remove(place, f));
+            self.history[self.faces[f as usize].now as usize].gone = Some(number);
+            for place in self.faces[f as usize].places {
+                self.round.remove(place, f);
+                self.changed[place as usize] = number + 1;
+            }
+            self.covers.clear(f);
         }
-        let mut new: SmallVec<[u32; 10]> = SmallVec::new();
         for (&(f, corners), turned) in star.turned.iter().zip(turned) {
-            let now = self.faces.len() as u32;
-            self.leave(f, u, number, |round, place| round.replace(place, f, now));
-            self.faces.push(Face {
-                corners,
-                places: corners.map(|w| self.place[w as usize]),
-                layer: self.faces[f as usize].layer,
-                sense: turned.sense,
-                deviation: turned.deviation,
-                made: number,
-                gone: NEVER,
-            });
-            self.covers.push(turned.covers);
-            new.push(now);
+            self.turn(f, corners, turned, number);
         }
-        self.round.extend(v, &new);
+        let turned: SmallVec<[u32; 10]> = star.turned.iter().map(|&(f, _)| f).collect();
+        self.round.extend(v, &turned);
         self.round.clear(u);
         self.changed[u as usize] = number + 1;
         self.count -= star.lost.len();
     }
 
-    /// Takes a face out of the surface, and tells the lists round its places but `u`.
-    fn leave(&mut self, f: u32, u: u32, number: u32, mut tell: impl FnMut(&mut Lists, u32)) {
+    /// Gives a face other corners.
+    fn turn(&mut self, f: u32, corners: [u32; 3], turned: Turned<'_>, number: u32) {
         let face = &mut self.faces[f as usize];
-        face.gone = number;
-        for place in face.places.into_iter().filter(|&p| p != u) {
-            tell(&mut self.round, place);
+        let before = &mut self.history[face.now as usize];
+        before.gone = Some(number);
+        let made = Made {
+            corners,
+            layer: before.layer,
+            deviation: turned.deviation,
+            made: Some(number),
+            gone: None,
+        };
+        *face = Face {
+            corners,
+            places: corners.map(|w| self.place[w as usize]),
+            sense: turned.sense,
+            deviation: turned.deviation,
+            now: self.history.len() as u32,
+        };
+        self.history.push(made);
+        for place in face.places {
             self.changed[place as usize] = number + 1;
         }
-        self.covers.clear(f);
+        self.covers.set(f, turned.covers);
+    }
+
+    /// What became of the surface by these collapses.
+    pub(super) fn into_history(self, collapses: Vec<Collapse>) -> Progressive {
+        Progressive {
+            triangles: self.history,
+            place: self.place,
+            reference: self.reference,
+            collapses,
+        }
     }
 
     /// For each vertex of the mesh whether an edge of a rim or seam ends there.

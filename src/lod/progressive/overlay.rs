@@ -172,7 +172,7 @@ impl<'a> Overlay<'a> {
                 return refine.attained();
             }
         }
-        refine.finish(known)
+        refine.finish(|piece, _| known(piece))
     }
 }
 
@@ -243,6 +243,12 @@ pub(super) struct Squares {
 }
 
 impl Squares {
+    pub(super) const ZERO: Squares = Squares {
+        total: 0.0,
+        tangential: 0.0,
+        normal: 0.0,
+    };
+
     /// Of one deviation vector, split by the simplified triangle's normal.
     pub(super) fn of(vector: DVec3, normal: DVec3) -> Self {
         let upright = vector.dot(normal);

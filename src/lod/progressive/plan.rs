@@ -161,7 +161,11 @@ impl<'a> Surface<'a> {
         for &f in self.live.round.get(u) {
             let face = &self.live.faces[f as usize];
             far = far.max(self.priced(&face.deviation));
-            for place in face.places.into_iter().filter(|&p| p != u) {
+            // Each neighbour once: what comes before is next in the other face there, where there is one.
+            let k = face.places.iter().position(|&p| p == u).unwrap_or(0);
+            let ahead = 1 + usize::from(self.on_rim[face.corners[k] as usize]);
+            for step in 1..=ahead {
+                let place = face.places[(k + step) % 3];
                 least = least.min(quadric.error(self.overlay.positions[place as usize]));
             }
         }

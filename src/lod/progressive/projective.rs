@@ -4,7 +4,7 @@
 //! distances at the corners of what they share, with what may be more between them.
 //!
 //! Vertices are placed first: what lies inside is measured once, not by each of its triangles. Triangles that lie inside
-//! whole are cells themselves; the others are cut.
+//! whole are cells themselves; of the others the corners are found one by one, in no order: none is needed.
 
 use super::near::Near;
 use super::overlay::{Asked, Largest, Overlay, Squares};
@@ -27,36 +27,33 @@ pub(super) struct Sides {
     pub(super) beside: u8,
 }
 
-/// The corners of a cell, in order: a triangle cut by three lines has six at most.
+/// A point of the reference as the simplified triangle sees it. All of it is linear on the reference.
 #[derive(Clone, Copy, Debug, Default)]
-struct Cell {
-    corners: [Corner; 9],
-    count: usize,
-}
-
-/// A corner as it is measured: the simplified triangle's point there, its weight, how far it deviates.
-#[derive(Clone, Copy, Debug, Default)]
-struct Met {
-    point: DVec3,
+struct Placed {
+    /// Its coordinates in the triangle's image, and their sum.
+    h: DVec3,
     weight: f64,
-    squares: Squares,
+    /// The triangle's point on the same line, times the weight.
+    image: DVec3,
+    /// Where the reference's point lies.
+    p: DVec3,
 }
 
-/// Room for what is found on the way.
+/// What the corners of a cell say, taken one after the other.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    squares: Squares,
+    /// Of the weights.
+    least: f64,
+    most: f64,
+}
+
+/// Room for what is found on the way: of each vertex that is near where it is, and how far it deviates if it lies inside.
 #[derive(Debug, Default)]
 pub(super) struct Sweep {
-    /// Of each vertex that is near: its coordinates, where that is, and what is there if it lies inside.
-    h: Vec<DVec3>,
+    placed: Vec<Placed>,
     sides: Vec<Sides>,
-    inside: Vec<Met>,
-    room: Room,
-}
-
-/// Room for cells that are cut.
-#[derive(Debug, Default)]
-struct Room {
-    cells: [Cell; 2],
-    met: [Met; 9],
+    inside: Vec<Squares>,
 }
 
 /// The simplified triangle.
@@ -65,6 +62,8 @@ struct View {
     corners: [DVec3; 3],
     normal: DVec3,
     line: Line,
+    /// How far its corners lie from its middle.
+    radius: f64,
 }
 
 impl Shares {
@@ -107,57 +106,194 @@ impl Sides {
     }
 }
 
+impl Placed {
+    /// The point between this one and another of the same triangle.
+    #[inline]
+    fn lerp(&self, other: &Placed, s: f64) -> Placed {
+        Placed {
+            h: self.h.lerp(other.h, s),
+            weight: self.weight + (other.weight - self.weight) * s,
+            image: self.image.lerp(other.image, s),
+            p: self.p.lerp(other.p, s),
+        }
+    }
+}
+
+impl Cell {
+    const NONE: Cell = Cell {
+        squares: Squares::ZERO,
+        least: f64::INFINITY,
+        most: 0.0,
+    };
+
+    /// Takes a corner.
+    #[inline]
+    fn take(&mut self, weight: f64, squares: &Squares) {
+        self.least = self.least.min(weight);
+        self.most = self.most.max(weight);
+        self.squares.raise(squares);
+    }
+}
+
 impl View {
-    fn met(&self, h: DVec3, reference: DVec3) -> Met {
+    fn new(line: Line, asked: &Asked, normal: DVec3) -> Option<Self> {
+        let [a, b, c] = asked.corners;
+        let middle = (a + b + c) / 3.0;
+        let far = asked.corners.map(|p| p.distance_squared(middle));
+        Some(View {
+            shares: Shares::new(line, asked)?,
+            corners: asked.corners,
+            normal,
+            line,
+            radius: far.into_iter().fold(0.0, f64::max).sqrt(),
+        })
+    }
+
+    #[inline]
+    fn placed(&self, h: DVec3, p: DVec3) -> Placed {
         let [a, b, c] = self.corners;
-        let weight = h.x + h.y + h.z;
-        let point = (a * h.x + b * h.y + c * h.z) * (1.0 / weight);
-        Met {
-            point,
-            weight,
-            squares: Squares::of(reference - point, self.normal),
+        Placed {
+            h,
+            weight: h.x + h.y + h.z,
+            image: a * h.x + b * h.y + c * h.z,
+            p,
         }
     }
 
-    /// Where the edge between two corners crosses edge `I`.
+    /// How far a point deviates.
     #[inline]
-    fn crossing<const I: usize>(&self, from: &Corner, to: &Corner) -> Met {
-        let s = from.h[I] / (from.h[I] - to.h[I]);
-        self.met(from.h.lerp(to.h, s), from.p.lerp(to.p, s))
+    fn squares(&self, at: &Placed) -> Squares {
+        Squares::of(at.p - at.image * (1.0 / at.weight), self.normal)
     }
 
-    /// What is known of the cell of a triangle that lies in part beyond edge `I`, and beyond no other: most are. Its corners that lie
-    /// inside are `known`.
-    fn cut_once<const I: usize>(&self, corners: &Piece, known: [&Met; 3]) -> Known {
-        let beyond = corners.each_ref().map(|corner| corner.h[I] < 0.0);
+    /// Takes the corner where the edge between two corners of a triangle crosses edge `I`.
+    #[inline]
+    fn cross<const I: usize>(&self, cell: &mut Cell, from: &Placed, to: &Placed) {
+        let at = from.lerp(to, from.h[I] / (from.h[I] - to.h[I]));
+        cell.take(at.weight, &self.squares(&at));
+    }
+
+    /// The cell of a triangle that lies in part beyond edge `I`, and beyond no other: most are. Its corners that lie inside
+    /// deviate by `inside`.
+    fn cut_once<const I: usize>(&self, corners: [&Placed; 3], inside: [&Squares; 3]) -> Cell {
+        let beyond = corners.map(|corner| corner.h[I] < 0.0);
         let both = usize::from(beyond[0]) + usize::from(beyond[1]) + usize::from(beyond[2]) == 1;
         // The corner that is alone on its side of the edge.
         let k = (0..3).find(|&k| beyond[k] == both).unwrap_or(0);
-        let (next, before) = ((k + 1) % 3, (k + 2) % 3);
-        let ahead = self.crossing::<I>(&corners[k], &corners[next]);
-        let behind = self.crossing::<I>(&corners[k], &corners[before]);
-        match both {
-            true => {
-                let corners = [&ahead, known[next], known[before], &behind];
-                self.known(corners.into_iter())
+        let mut cell = Cell::NONE;
+        for other in [(k + 1) % 3, (k + 2) % 3] {
+            self.cross::<I>(&mut cell, corners[k], corners[other]);
+            if both {
+                cell.take(corners[other].weight, inside[other]);
             }
-            false => self.known([known[k], &ahead, &behind].into_iter()),
+        }
+        if !both {
+            cell.take(corners[k].weight, inside[k]);
+        }
+        cell
+    }
+
+    /// The cell of a triangle that lies beyond several edges in part, if it has one: its corners are those of the triangle
+    /// inside, crossings of both triangles' edges, and corners of this one.
+    fn cut(&self, corners: [&Placed; 3], sides: [Sides; 3]) -> Option<Cell> {
+        let (mut cell, mut is_met) = (Cell::NONE, false);
+        for k in 0..3 {
+            let (from, to) = (k, (k + 1) % 3);
+            if sides[k].beyond == 0 {
+                is_met = true;
+                cell.take(corners[k].weight, &self.squares(corners[k]));
+            }
+            if sides[from].beyond & sides[to].beyond != 0 {
+                continue;
+            }
+            let crossed = sides[from].beyond ^ sides[to].beyond;
+            for edge in (0..3).filter(|edge| crossed >> edge & 1 != 0) {
+                let (from, to) = (corners[from], corners[to]);
+                let at = from.lerp(to, from.h[edge] / (from.h[edge] - to.h[edge]));
+                let within = at.h[(edge + 1) % 3].min(at.h[(edge + 2) % 3]);
+                is_met |= within >= 0.0;
+                if within >= -ROUNDING * at.weight {
+                    cell.take(at.weight, &self.squares(&at));
+                }
+            }
+        }
+        let beyond = sides[0].beyond | sides[1].beyond | sides[2].beyond;
+        for own in (0..3).filter(|&own| beyond | 1 << own == 0b111) {
+            if let Some(at) = own_corner(own, corners) {
+                is_met = true;
+                cell.take(at.weight, &self.squares(&at));
+            }
+        }
+        is_met.then_some(cell)
+    }
+
+    /// What is known of the cell of a triangle: more exactly where that is more than `little`.
+    #[inline]
+    fn known(&self, cell: &Cell, corners: [&Placed; 3], little: f64) -> Known {
+        let more = match self.line {
+            Line::Sphere => self.more_between(cell, corners, little),
+            _ => 0.0,
+        };
+        (cell.squares, more)
+    }
+
+    /// How much more a point of a sphere's cell may deviate than its corners do.
+    #[inline]
+    fn more_between(&self, cell: &Cell, corners: [&Placed; 3], little: f64) -> f64 {
+        if cell.least <= 0.0 {
+            // The line runs along the simplified triangle's plane: its point may be anywhere.
+            return f64::INFINITY;
+        }
+        let share = 0.5 * (cell.most / cell.least - 1.0);
+        match self.radius * share <= little {
+            true => self.radius * share,
+            false => self.radius.min(radius_of(corners)) * share,
         }
     }
 
-    /// What is known of a cell.
-    #[inline]
-    fn known<'m>(&self, corners: impl Iterator<Item = &'m Met> + Clone) -> Known {
-        let mut squares = Squares::default();
-        for corner in corners.clone() {
-            squares.raise(&corner.squares);
-        }
-        let more = match self.line {
-            Line::Sphere => more_between(corners),
-            _ => 0.0,
-        };
-        (squares, more)
+    /// What is known of the cell of a part of a triangle, if it has one.
+    fn part(&self, piece: &Piece, little: f64) -> Option<Known> {
+        let placed = piece
+            .each_ref()
+            .map(|corner| self.placed(corner.h, corner.p));
+        let corners = placed.each_ref();
+        let sides = corners.map(|corner| Sides::of(corner.h));
+        let beside = sides[0].beside & sides[1].beside & sides[2].beside;
+        let cell = (beside == 0).then(|| self.cut(corners, sides))??;
+        Some(self.known(&cell, corners, little))
     }
+}
+
+/// How far a crossing may seem to lie outside, by rounding: as a share of its weight.
+const ROUNDING: f64 = 1e-12;
+
+/// Where a triangle has the simplified one's corner `own`, if it does.
+fn own_corner(own: usize, corners: [&Placed; 3]) -> Option<Placed> {
+    let (i, j) = ((own + 1) % 3, (own + 2) % 3);
+    let turn = |a: &Placed, b: &Placed| a.h[i] * b.h[j] - a.h[j] * b.h[i];
+    let [a, b, c] = corners;
+    let shares = [turn(b, c), turn(c, a), turn(a, b)];
+    let sum = shares[0] + shares[1] + shares[2];
+    let [x, y, z] = shares.map(|share| share / sum);
+    let at = Placed {
+        h: a.h * x + b.h * y + c.h * z,
+        weight: a.weight * x + b.weight * y + c.weight * z,
+        image: a.image * x + b.image * y + c.image * z,
+        p: a.p * x + b.p * y + c.p * z,
+    };
+    // Ahead, not behind the centre.
+    (x >= 0.0 && y >= 0.0 && z >= 0.0 && at.h[own] > 0.0).then_some(at)
+}
+
+/// How far from their middle the simplified triangle's points lie at the corners of another.
+fn radius_of(corners: [&Placed; 3]) -> f64 {
+    if corners.iter().any(|corner| corner.weight <= 0.0) {
+        return f64::INFINITY;
+    }
+    let [a, b, c] = corners.map(|corner| corner.image / corner.weight);
+    let middle = (a + b + c) / 3.0;
+    let far = [a, b, c].map(|p| p.distance_squared(middle));
+    far.into_iter().fold(0.0, f64::max).sqrt()
 }
 
 impl Sweep {
@@ -171,151 +307,65 @@ impl Sweep {
         refine: &mut Refine,
         covers: &mut Vec<u32>,
     ) -> Option<Largest> {
-        let view = View {
-            shares: Shares::new(overlay.line, asked)?,
-            corners: asked.corners,
-            normal,
-            line: overlay.line,
-        };
+        let view = View::new(overlay.line, asked, normal)?;
         self.place(&view, overlay, near);
         for (&t, &corners) in near.triangles.iter().zip(&near.corners) {
-            let [a, b, c] = corners.map(|v| self.sides[v as usize]);
+            let sides = corners.map(|v| self.sides[v as usize]);
+            let [a, b, c] = sides;
             // Beside one of the edges with all corners: nothing is shared.
-            let beside = a.beside & b.beside & c.beside;
-            if !overlay.faces(t, asked) {
-                continue;
-            }
-            if beside != 0 {
-                if a.beyond & b.beyond & c.beyond & asked.rims != 0 {
+            if a.beside & b.beside & c.beside != 0 {
+                if a.beyond & b.beyond & c.beyond & asked.rims != 0 && overlay.faces(t, asked) {
                     covers.push(t);
                 }
                 continue;
             }
-            let (h, inside) = (&self.h, &self.inside);
-            let corner = |v: u32| Corner {
-                h: h[v as usize],
-                p: overlay.positions[near.vertices[v as usize] as usize],
+            if !overlay.faces(t, asked) {
+                continue;
+            }
+            let inside = corners.map(|v| &self.inside[v as usize]);
+            let corners = corners.map(|v| &self.placed[v as usize]);
+            let cell = match a.beyond | b.beyond | c.beyond {
+                0 => {
+                    let mut cell = Cell::NONE;
+                    (0..3).for_each(|k| cell.take(corners[k].weight, inside[k]));
+                    Some(cell)
+                }
+                1 => Some(view.cut_once::<0>(corners, inside)),
+                2 => Some(view.cut_once::<1>(corners, inside)),
+                4 => Some(view.cut_once::<2>(corners, inside)),
+                _ => view.cut(corners, sides),
             };
-            let piece = || [corner(corners[0]), corner(corners[1]), corner(corners[2])];
-            let met = corners.map(|v| &inside[v as usize]);
-            let known = match a.beyond | b.beyond | c.beyond {
-                0 => Some(view.known(met.into_iter())),
-                1 => Some(view.cut_once::<0>(&piece(), met)),
-                2 => Some(view.cut_once::<1>(&piece(), met)),
-                4 => Some(view.cut_once::<2>(&piece(), met)),
-                beyond => self.room.cut(&view, &piece(), beyond),
-            };
-            if let Some(known) = known {
-                refine.take(known, piece);
+            if let Some(cell) = cell {
+                let known = view.known(&cell, corners, refine.little());
+                refine.take(known, || {
+                    corners.map(|corner| Corner {
+                        h: corner.h,
+                        p: corner.p,
+                    })
+                });
                 covers.push(t);
                 if refine.farthest() > limit {
                     return Some(refine.attained());
                 }
             }
         }
-        Some(refine.finish(|piece| self.room.part(&view, piece)))
+        Some(refine.finish(|piece, little| view.part(piece, little)))
     }
 
     fn place(&mut self, view: &View, overlay: &Overlay<'_>, near: &Near) {
-        self.h.clear();
+        self.placed.clear();
         self.sides.clear();
-        self.inside.resize(near.vertices.len(), Met::default());
-        for (&v, inside) in near.vertices.iter().zip(&mut self.inside) {
+        self.inside.clear();
+        for &v in &near.vertices {
             let h = view.shares.of(overlay.t3[v as usize]);
+            let placed = view.placed(h, overlay.positions[v as usize]);
             let sides = Sides::of(h);
-            if sides.beyond == 0 {
-                *inside = view.met(h, overlay.positions[v as usize]);
-            }
-            self.h.push(h);
+            self.inside.push(match sides.beyond {
+                0 => view.squares(&placed),
+                _ => Squares::ZERO,
+            });
+            self.placed.push(placed);
             self.sides.push(sides);
         }
     }
-}
-
-impl Room {
-    /// What is known of the cell of a part of a triangle, if it has one.
-    fn part(&mut self, view: &View, piece: &Piece) -> Option<Known> {
-        let [a, b, c] = piece.each_ref().map(|corner| Sides::of(corner.h));
-        match a.beside & b.beside & c.beside {
-            0 => self.cut(view, piece, a.beyond | b.beyond | c.beyond),
-            _ => None,
-        }
-    }
-
-    /// What is known of the cell of a triangle that lies in part beyond the edges of `beyond`, if it has one.
-    fn cut(&mut self, view: &View, piece: &Piece, beyond: u8) -> Option<Known> {
-        let [mut cell, mut other] = self.cells.each_mut();
-        cell.count = 3;
-        cell.corners[..3].copy_from_slice(piece);
-        if beyond & 1 != 0 {
-            cell.cut::<0>(other);
-            std::mem::swap(&mut cell, &mut other);
-        }
-        if beyond & 2 != 0 {
-            cell.cut::<1>(other);
-            std::mem::swap(&mut cell, &mut other);
-        }
-        if beyond & 4 != 0 {
-            cell.cut::<2>(other);
-            std::mem::swap(&mut cell, &mut other);
-        }
-        let met = &mut self.met[..cell.count];
-        for (met, corner) in met.iter_mut().zip(&cell.corners) {
-            *met = view.met(corner.h, corner.p);
-        }
-        (!met.is_empty()).then(|| view.known(met.iter()))
-    }
-}
-
-impl Cell {
-    fn push(&mut self, corner: Corner) {
-        // Rounding could make a cut polygon less than convex, by a hair: no corner is lost that is not beside another.
-        if let Some(free) = self.corners.get_mut(self.count) {
-            *free = corner;
-            self.count += 1;
-        }
-    }
-
-    /// What lies where coordinate `I` is not negative. Source: Sutherland and Hodgman 1974, Reentrant polygon clipping.
-    fn cut<const I: usize>(&self, kept: &mut Cell) {
-        kept.count = 0;
-        let corners = &self.corners[..self.count];
-        let Some(mut before) = corners.last() else {
-            return;
-        };
-        for corner in corners {
-            let (from, to) = (before.h[I], corner.h[I]);
-            if (from < 0.0) != (to < 0.0) {
-                let s = from / (from - to);
-                kept.push(Corner {
-                    h: before.h.lerp(corner.h, s),
-                    p: before.p.lerp(corner.p, s),
-                });
-            }
-            if to >= 0.0 {
-                kept.push(*corner);
-            }
-            before = corner;
-        }
-    }
-}
-
-/// How much more a point of a sphere's cell may deviate than its corners do.
-#[inline]
-fn more_between<'m>(corners: impl Iterator<Item = &'m Met> + Clone) -> f64 {
-    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
-    let (mut middle, mut count) = (DVec3::ZERO, 0.0);
-    for corner in corners.clone() {
-        (least, most) = (least.min(corner.weight), most.max(corner.weight));
-        middle += corner.point;
-        count += 1.0;
-    }
-    if least <= 0.0 {
-        // The line runs along the simplified triangle's plane: its point may be anywhere.
-        return f64::INFINITY;
-    }
-    middle *= 1.0 / count;
-    let from_middle = corners.map(|c| c.point.distance_squared(middle));
-    let radius = from_middle.fold(0.0, f64::max).sqrt();
-    radius * 0.5 * (most / least - 1.0)
 }

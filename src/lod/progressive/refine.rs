@@ -51,6 +51,11 @@ impl Refine {
         self.open.clear();
     }
 
+    /// What a cell may have more than its corners.
+    pub(super) fn little(&self) -> f64 {
+        CLOSE * self.farthest
+    }
+
     /// The largest distance that is attained so far.
     pub(super) fn farthest(&self) -> f64 {
         self.farthest
@@ -73,8 +78,12 @@ impl Refine {
         }
     }
 
-    /// The bounds, once `measure` has told what is known of the cells of pieces; none where a piece is not met.
-    pub(super) fn finish(&mut self, mut measure: impl FnMut(&Piece) -> Option<Known>) -> Largest {
+    /// The bounds, once `measure` has told what is known of the cells of pieces; none where a piece is not met. It is told what is
+    /// [`Refine::little`].
+    pub(super) fn finish(
+        &mut self,
+        mut measure: impl FnMut(&Piece, f64) -> Option<Known>,
+    ) -> Largest {
         for depth in 0..=DEEP {
             let last = depth == DEEP || self.open.len() > MANY;
             for (piece, known) in std::mem::take(&mut self.open) {
@@ -83,7 +92,7 @@ impl Refine {
                     continue;
                 }
                 for part in parts(&piece) {
-                    if let Some(known) = measure(&part) {
+                    if let Some(known) = measure(&part, self.little()) {
                         self.take(known, || part);
                     }
                 }
@@ -101,7 +110,7 @@ impl Refine {
 
     /// Whether a cell's bound is no more than a little above what is attained: of the whole vector, and of its parts by as much.
     fn is_close(&self, (squares, more): &Known) -> bool {
-        let little = CLOSE * self.farthest;
+        let little = self.little();
         *more <= little || squares.are_below(&self.attained, little - more)
     }
 }

@@ -4,8 +4,8 @@
 //! that the steps came from, or what is wrong with them: steps may come from anywhere. A step is made only where it keeps the
 //! surface one, so that a history that was made is as sound as one that was found.
 
-use super::live::{Live, NEVER, Turned};
-use super::{Collapse, Deviation, Made, Progressive};
+use super::live::{Live, Turned};
+use super::{Collapse, Deviation, Progressive};
 use crate::lod::LodInput;
 
 /// What a history is made again from.
@@ -51,7 +51,7 @@ impl Progressive {
         }
         match replay.deviations.len() {
             0 => {
-                let mut history = replay.live.history(replay.collapses);
+                let mut history = replay.live.into_history(replay.collapses);
                 history.price_by_deviation();
                 Ok(history)
             }
@@ -111,25 +111,6 @@ impl Progressive {
         for c in &mut self.collapses {
             dearest = dearest.max(c.price);
             c.price = dearest;
-        }
-    }
-}
-
-impl Live {
-    /// What became of the surface.
-    pub(super) fn history(self, collapses: Vec<Collapse>) -> Progressive {
-        let triangles = self.faces.into_iter().map(|face| Made {
-            corners: face.corners,
-            layer: face.layer,
-            deviation: face.deviation,
-            made: (face.made != NEVER).then_some(face.made),
-            gone: (face.gone != NEVER).then_some(face.gone),
-        });
-        Progressive {
-            triangles: triangles.collect(),
-            place: self.place,
-            reference: self.reference,
-            collapses,
         }
     }
 }

@@ -64,12 +64,12 @@ impl Ring {
         if (0..spokes.len()).any(twice) {
             return None;
         }
-        // On a rim the first is the one that no other leads to.
+        // On a rim the first is the one that no other leads to, else that of the first place: the order says nothing of how
+        // the surface came to be.
         let led_to = |s: &Spoke| spokes.iter().any(|other| other.before[0] == s.next[0]);
-        let first = spokes.iter().position(|s| !led_to(s)).unwrap_or(0);
-        if first < spokes.len() {
-            spokes.swap(0, first);
-        }
+        let of_first = |&k: &usize| (led_to(&spokes[k]), spokes[k].next[0]);
+        let first = (0..spokes.len()).min_by_key(of_first)?;
+        spokes.swap(0, first);
         for k in 1..spokes.len() {
             let at = spokes[k - 1].before[0];
             let next = spokes[k..].iter().position(|s| s.next[0] == at)?;
