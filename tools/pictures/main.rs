@@ -1,7 +1,9 @@
 //! Makes the pictures of the documentation from the bundled model: `cargo run --release --example pictures`.
 //!
-//! In: `assets/amphora.glb`. Out: `assets/attributes.png`, `solids.png`, `bake.png` and `shader-lod.png` beside it, the same bytes
-//! on every machine, as everything is drawn by the processor's deferred path.
+//! In: `assets/amphora.glb`. Out: `assets/attributes.png`, `solids.png`, `bake.png`, `shader-lod.png` and `mappings.png` beside it, the
+//! same bytes on every machine, as everything is drawn by the processor's deferred path.
+
+mod relief;
 
 use image::{Rgba, RgbaImage, imageops};
 use invertex::asset::{BuildSettings, Built, Processor, build};
@@ -54,6 +56,7 @@ fn main() -> Done<()> {
     let mut panels = vec![panel(&built, "base-color", LEVEL)?];
     panels.extend(textures(&built)?);
     save(&assets.join("bake.png"), &panels)?;
+    save(&assets.join("mappings.png"), &relief::panels()?)?;
     let mut filtered = built;
     prefilter(&mut filtered, 512, &())?;
     save(&assets.join("shader-lod.png"), &far_away(&filtered)?)
@@ -153,9 +156,10 @@ fn textures(built: &Built) -> Done<Vec<RgbaImage>> {
 fn save(path: &Path, panels: &[RgbaImage]) -> Done<()> {
     let gap = 8;
     let width = panels.len() as u32 * (WIDTH + gap) - gap;
-    let mut row = RgbaImage::from_pixel(width, HEIGHT, Rgba([232, 232, 232, 255]));
+    let height = panels.iter().map(RgbaImage::height).max().unwrap_or(0);
+    let mut row = RgbaImage::from_pixel(width, height, Rgba([232, 232, 232, 255]));
     for (k, panel) in panels.iter().enumerate() {
-        let top = (HEIGHT - panel.height()) / 2;
+        let top = (height - panel.height()) / 2;
         imageops::overlay(
             &mut row,
             panel,
@@ -163,7 +167,7 @@ fn save(path: &Path, panels: &[RgbaImage]) -> Done<()> {
             top.into(),
         );
     }
-    let bytes = invertex::output::encode_png(width, HEIGHT, row.as_raw())?;
+    let bytes = invertex::output::encode_png(width, height, row.as_raw())?;
     invertex::output::write_bytes(path, &bytes)?;
     println!("{}", path.display());
     Ok(())
