@@ -5,11 +5,11 @@ mod pair;
 use invertex::asset::Progress;
 use invertex::mesh::{Mesh, shapes};
 use invertex::output::{TexturedMesh, encode_glb};
-use invertex::recover::{BakeAttribute, Baked, Mapping, Misses, Pair, PairSettings};
+use invertex::recover::{BakeAttribute, Baked, Mapping, Pair, PairSettings};
 use invertex::render::Renderer;
 use invertex::scene::Scene;
 use invertex::{Error, Result};
-use pair::{Quiet, placed, plane, scene};
+use pair::{Quiet, placed, plane, positions, scene};
 
 const UPRIGHT: [[f32; 4]; 4] = [
     [1.0, 0.0, 0.0, 0.0],
@@ -17,19 +17,6 @@ const UPRIGHT: [[f32; 4]; 4] = [
     [0.0, 0.0, 1.0, 0.0],
     [0.0, 0.0, 0.0, 1.0],
 ];
-
-fn settings(mapping: Mapping) -> PairSettings {
-    let mut settings = PairSettings {
-        mapping,
-        attributes: vec![BakeAttribute::Position],
-        size: 64,
-        padding: 0,
-        ..PairSettings::default()
-    };
-    settings.recovery.probes.size = 64;
-    settings.recovery.misses = Misses::Blank;
-    settings
-}
 
 /// A scene of several meshes, each with its name.
 fn several(name: &str, meshes: &[(&str, Mesh)]) -> Scene {
@@ -73,7 +60,7 @@ fn rays_run_from_the_cage_through_the_surface() {
         scene("low", &low),
         scene("cage", &cage),
     );
-    let baked = in_cage(&high, &low, &cage, &settings(Mapping::Cage)).unwrap();
+    let baked = in_cage(&high, &low, &cage, &positions(Mapping::Cage)).unwrap();
     assert_eq!((baked.filled, baked.missed), (64 * 64, 0));
     for (k, [x, y, z, _]) in baked.textures[0].values.iter().enumerate() {
         let [u, v] = [k % 64, k / 64].map(|c| (c as f32 + 0.5) / 64.0);
@@ -85,7 +72,7 @@ fn rays_run_from_the_cage_through_the_surface() {
     }
     // The negative control: straight rays, from a cage by offset, come out elsewhere.
     let draw = |picture| Ok(Renderer::cpu(picture));
-    let asked = settings(Mapping::Cage);
+    let asked = positions(Mapping::Cage);
     let straight = Pair::new(&high, &low, &asked, &draw, &Quiet)
         .unwrap()
         .bake(0, &Quiet)
@@ -102,7 +89,7 @@ fn a_cage_leaves_out_what_lies_over_it() {
     let low = plane(2, 0.0, 0.0);
     for (height, want) in [(0.3, 0.02), (0.7, 0.5)] {
         let cage = scene("cage", &moved(&low, |[x, y, z]| [x, y, z + height]));
-        let baked = in_cage(&high, &scene("low", &low), &cage, &settings(Mapping::Cage)).unwrap();
+        let baked = in_cage(&high, &scene("low", &low), &cage, &positions(Mapping::Cage)).unwrap();
         assert_eq!(baked.missed, 0);
         assert!(
             baked.textures[0]
@@ -137,7 +124,7 @@ fn a_cage_stands_where_mirrored_models_stand() {
     (split.uv_sets, split.tangents) = (vec![], vec![]);
     let (high, low) = (mirror("high", &high), mirror("low", &low));
     for cage in [cage, split] {
-        let asked = settings(Mapping::Cage);
+        let asked = positions(Mapping::Cage);
         let baked = in_cage(&high, &low, &mirror("cage", &cage), &asked).unwrap();
         assert_eq!(baked.missed, 0);
         for (k, [x, y, ..]) in baked.textures[0].values.iter().enumerate() {
@@ -155,7 +142,7 @@ fn what_is_no_cage_of_the_model_is_refused() {
             &high,
             &scene("low", &low),
             &scene("cage", cage),
-            &settings(mapping),
+            &positions(mapping),
         );
         outcome.map(|_| ()).unwrap_err().to_string()
     };
@@ -166,7 +153,7 @@ fn what_is_no_cage_of_the_model_is_refused() {
     assert!(refused(&shuffled, Mapping::Cage).contains("or in another order"));
     assert!(refused(&up(&low), Mapping::Normal).starts_with("--cage"));
     let two = several("cage", &[("a", up(&low)), ("b", up(&low))]);
-    let none = in_cage(&high, &scene("low", &low), &two, &settings(Mapping::Cage));
+    let none = in_cage(&high, &scene("low", &low), &two, &positions(Mapping::Cage));
     assert!(none.unwrap_err().to_string().contains("no such mesh"));
 }
 
@@ -179,7 +166,7 @@ fn meshes_belong_together_by_name() {
     for (by_name, wants) in [(true, [1.0, 0.0]), (false, [0.0, 1.0])] {
         let asked = PairSettings {
             by_name,
-            ..settings(Mapping::Proximity)
+            ..positions(Mapping::Proximity)
         };
         let draw = |picture| Ok(Renderer::cpu(picture));
         let mut pair = Pair::new(&high, &low, &asked, &draw, &Quiet).unwrap();
@@ -222,7 +209,7 @@ fn tiles_are_textures_of_their_own() {
         split.triangles.push([first, first + 1, first + 2]);
     }
     let high = scene("high", &plane(7, 0.05, 0.0));
-    let asked = settings(Mapping::Normal);
+    let asked = positions(Mapping::Normal);
     let draw = |picture| Ok(Renderer::cpu(picture));
     let low_scene = scene("low", &split);
     let mut pair = Pair::new(&high, &low_scene, &asked, &draw, &Quiet).unwrap();
@@ -256,7 +243,7 @@ fn tiles_that_cannot_be_are_refused() {
     let high = scene("high", &shapes::grid(2));
     let refused = |low: &Mesh| {
         let draw = |picture| Ok(Renderer::cpu(picture));
-        let (low, asked) = (scene("low", low), settings(Mapping::Normal));
+        let (low, asked) = (scene("low", low), positions(Mapping::Normal));
         let outcome = Pair::new(&high, &low, &asked, &draw, &Quiet).map(|_| ());
         outcome.unwrap_err().to_string()
     };
@@ -323,7 +310,7 @@ fn little_memory_makes_the_same_textures_one_by_one() {
         attributes: attributes.to_vec(),
         memory,
         padding: 3,
-        ..settings(Mapping::Normal)
+        ..positions(Mapping::Normal)
     };
     let (all, single) = (with(1 << 30), with(1));
     let draw = |picture| Ok(Renderer::cpu(picture));

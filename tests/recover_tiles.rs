@@ -4,10 +4,10 @@ mod pair;
 
 use invertex::mesh::Mesh;
 use invertex::output::{TexturedMesh, encode_glb};
-use invertex::recover::{BakeAttribute, Mapping, Misses, Pair, PairSettings};
+use invertex::recover::{Mapping, Pair};
 use invertex::render::Renderer;
 use invertex::scene::Scene;
-use pair::{Quiet, plane, scene};
+use pair::{Quiet, plane, positions, scene};
 
 /// One wall of a valley along y, left of x = 0 or right of it, as a chart that fills half a tile.
 fn wall(right: bool, deeper: f32, tile: f32) -> Mesh {
@@ -54,15 +54,7 @@ fn visibility_is_filtered_across_the_borders_of_tiles() {
         "high",
         &joined(&wall(false, 0.05, 0.0), &wall(true, 0.05, 0.0)),
     );
-    let mut asked = PairSettings {
-        mapping: Mapping::VisibilityTexel,
-        attributes: vec![BakeAttribute::Position],
-        size: 64,
-        padding: 0,
-        ..PairSettings::default()
-    };
-    asked.recovery.probes.size = 64;
-    asked.recovery.misses = Misses::Blank;
+    let asked = positions(Mapping::VisibilityTexel);
     let baked = |low: &Scene| -> Vec<Vec<[f32; 4]>> {
         let draw = |picture| Ok(Renderer::cpu(picture));
         let mut pair = Pair::new(&high, low, &asked, &draw, &Quiet).unwrap();

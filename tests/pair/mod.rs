@@ -4,6 +4,7 @@
 use invertex::asset::Progress;
 use invertex::mesh::{Mesh, shapes};
 use invertex::output::{TexturedMesh, encode_glb};
+use invertex::recover::{BakeAttribute, Mapping, Misses, PairSettings};
 use invertex::scene::Scene;
 
 const UPRIGHT: [[f32; 4]; 4] = [
@@ -43,4 +44,18 @@ pub(crate) fn plane(n: u32, z: f32, inset: f32) -> Mesh {
         *uv = [p[0], p[1]].map(|c| inset + c * (1.0 - 2.0 * inset));
     }
     mesh
+}
+
+/// Positions that a mapping finds, 64 texels a side; blank where it finds none.
+pub(crate) fn positions(mapping: Mapping) -> PairSettings {
+    let mut settings = PairSettings {
+        mapping,
+        attributes: vec![BakeAttribute::Position],
+        size: 64,
+        padding: 0,
+        ..PairSettings::default()
+    };
+    settings.recovery.probes.size = 64;
+    settings.recovery.misses = Misses::Blank;
+    settings
 }

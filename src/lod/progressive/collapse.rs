@@ -194,14 +194,15 @@ impl<'a> Work<'a> {
 
     /// Leaves of collapses in order only as many as take the surface down to `least` triangles.
     fn plenty(&self, ordered: &mut Vec<(f64, u32)>, least: usize) {
-        let mut left = self.surface.live.count;
-        let needed = ordered.iter().take_while(|&&(_, u)| {
-            let is_needed = left > least;
-            let lost = |plan: &Plan| plan.star.lost.len();
+        let (mut left, mut needed) = (self.surface.live.count, 0);
+        let lost = |plan: &Plan| plan.star.lost.len();
+        for &(_, u) in ordered.iter() {
+            if left <= least {
+                break;
+            }
             left -= self.plans[u as usize].as_deref().map_or(0, lost);
-            is_needed
-        });
-        let needed = needed.count();
+            needed += 1;
+        }
         ordered.truncate(needed);
     }
 

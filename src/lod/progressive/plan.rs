@@ -8,7 +8,7 @@
 use super::Cost;
 use super::grounds::Grounds;
 use super::live::{Live, Turned};
-use super::overlay::{Asked, Deviation, Overlay, Scratch};
+use super::overlay::{Asked, Deviation, Overlay, Scratch, rims_of};
 use super::quadric::Quadric;
 use super::rim::{NewRim, Rims};
 use super::ring::{Ring, Star};
@@ -281,10 +281,7 @@ impl<'a> Surface<'a> {
             t3: corners.map(|v| self.overlay.t3[v as usize]),
             corners: corners.map(|v| self.position(v)),
             sense: i32::from(self.sense(corners)),
-            rims: [6, 5, 3].into_iter().zip(0..).fold(0, |rims, (ends, i)| {
-                let is_end = |k: usize| ends & (1 << k) == 0 || self.on_rim[corners[k] as usize];
-                rims | (u8::from((0..3).all(is_end)) << i)
-            }),
+            rims: rims_of(corners, &self.on_rim),
         }
     }
 
